@@ -372,6 +372,18 @@ def test_the_plan_takes_the_simplest_wave_generator(exe, tolerance, chosen):
     assert f"wave generator {chosen}: a rigid one changes K3 by" in done.stdout
 
 
+def test_large_displacements_keep_the_balls(exe):
+    """A cam that pushes on the ring's own points turns its waves with the ring (K1 of ratio 30 27 % higher): refused where the ring may slide on the cam,
+    and a plan that takes large displacements leaves the balls."""
+    def answer(*keys):
+        return call(exe, *keys, ROOT / "tests/cases/pressed_drive.nml", *RISE, "solver.kinematics=nonlinear")
+    refused = answer("--check", "bearing.balls=0")
+    assert refused.returncode == 2 and "solver.kinematics" in refused.stderr and "wave_generator.ring_tangent" in refused.stderr, refused.stderr
+    assert answer("--check", "bearing.balls=0", "wave_generator.ring_tangent=follow").returncode == 0
+    planned = answer("--plan", "run.tolerance=0.5")
+    assert planned.returncode == 0 and "wave generator as the scene says" in planned.stdout, planned.stderr
+
+
 def test_large_displacements_of_a_drive(exe, tmp_path):
     """Balls slide along the deformed ring: torques balance, energy as under small displacements (to 1 % of friction's), both solvers
     agree, and a shallow cam gives what small displacements give."""

@@ -92,8 +92,8 @@ contains
       return
     end if
     plan%scene%kinematics = 'linear'
-    if (plan%scene%support%against_teeth .or. .not. plan%scene%may_newton()) then
-      call note(plan, 'kinematics linear: support and method allow no other')
+    if (plan%scene%support%against_teeth .or. plan%scene%slides_on_cam() .or. .not. plan%scene%may_newton()) then
+      call note(plan, 'kinematics linear: support, wave generator or method allow no other')
       return
     end if
     call try_both(coarse, small_q(:, 1), large_q(:, 1))
@@ -172,7 +172,7 @@ contains
     real(dp) :: balls_q(values), q(values), change(promises), stiffness
     character(len=:), allocatable :: text
     integer :: i
-    if (plan%scene%balls == 0 .or. plan%scene%bearing_model == 'given') then
+    if (plan%scene%balls == 0 .or. plan%scene%bearing_model == 'given' .or. plan%scene%large()) then
       call note(plan, 'wave generator as the scene says')
       return
     end if
@@ -198,7 +198,7 @@ contains
       plan%scene%balls = 0
       plan%scene%groove_depth = 0
       plan%scene%ball_stiffness = s%ball_stiffness
-      plan%simpler = change
+      plan%simpler = hypot(plan%simpler, change)
       exit
     end do
     if (len(text) == 0) text = 'no simpler one converges'
@@ -283,8 +283,8 @@ contains
     end if
     plan%scene%tolerance = max(plan%scene%tolerance, accuracy*plan%scene%planned_tolerance)
     call note(plan, 'Newton iterations to a residual of '//to_text(plan%scene%tolerance)//': a thousandth of the tolerance')
-    if (plan%scene%support%struts) call choose_wave_generator(trials, plan, error)
-    if (.not. allocated(error)) call choose_kinematics(trials, plan, error)
+    call choose_kinematics(trials, plan, error)
+    if (.not. allocated(error) .and. plan%scene%support%struts) call choose_wave_generator(trials, plan, error)
     if (.not. allocated(error)) call choose_steps(trials, plan, error)
     if (.not. allocated(error)) call choose_layers(trials, plan, error)
   end subroutine choose_all

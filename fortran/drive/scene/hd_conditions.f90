@@ -132,6 +132,8 @@ contains
     call ask(faults, .not. s%ring_lifts(), 'wave_generator.ring_contact', s%ring_contact, &
       "'tied' with load.support = 'drive', where the balls lift off by themselves")
     call ask(faults, s%may_factorise(), 'solver.factors', s%factors, "'auto' or 'exact' with load.support = 'drive'")
+    call ask(faults, .not. (s%large() .and. s%slides_on_cam()), 'solver.kinematics', s%kinematics, "'linear', bearing.balls, "// &
+      "or wave_generator.ring_tangent = 'follow': without balls the ring turns against the cam's radial ties")
     call need(faults, s%balls == 0 .or. s%balls >= fewest_balls, 'bearing.balls', real(s%balls, dp), &
       'none, or enough to hold the ring', real(fewest_balls, dp))
     call need(faults, s%ball_diameter*s%balls < 2*pi*(race_radius(s) - s%ball_diameter/2), 'bearing.ball_diameter', &

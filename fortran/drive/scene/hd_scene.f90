@@ -104,6 +104,7 @@ module hd_scene
     procedure :: cup_is_slave
     procedure :: ring_lifts
     procedure :: ring_follows
+    procedure :: slides_on_cam
     procedure :: turned
     procedure :: differentiable
     procedure :: wants_band
@@ -167,6 +168,13 @@ contains
     ring_follows = self%ring_tangent == 'follow' .or. (self%ring_tangent == 'auto' .and. (self%support%friction_alone .or. &
       (self%frictionless() .and. self%large())))
   end function ring_follows
+
+  !> The ring of a drive without balls turns against its cam, whose radial ties stay with the points of the ring: their way is that
+  !> of the cam only to first order.
+  pure logical function slides_on_cam(self)
+    class(scene_t), intent(in) :: self  !< scene
+    slides_on_cam = self%support%struts .and. self%balls == 0 .and. .not. self%ring_follows()
+  end function slides_on_cam
 
   !> The answer is that of a drive whose wave generator has turned.
   pure logical function turned(self)

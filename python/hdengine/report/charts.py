@@ -32,7 +32,7 @@ def _loop_chart(result):
     loop = views.loop_of(result)
     near = 1 + views.NEAR_CATALOGUE, 1 - views.NEAR_CATALOGUE
     chart = Chart(loop.title, "angle of the output / arc minute", "torque / N m",
-                  [*loop.angle, *(loop.stated[0] / near[1])], [*loop.torque, *loop.stated[1]])
+                  [*loop.angle, *(loop.stated[0] / near[1])], [*(1.15 * loop.torque), *loop.stated[1]])  # room for the words at K3
     if loop.size:
         angle, torque = loop.stated
         chart.area([*(angle / near[0]), *(angle / near[1])[::-1]], [*torque, *torque[::-1]], REFERENCE, 0.2)

@@ -276,7 +276,7 @@ def _answer_of_drive(result):
     shares = results.get("twist_shares") or {}
     if shares and all(isinstance(v, float) for v in shares.values()):
         contact = sum(shares[part] for part in ("gaps", "slip", "joint"))
-        text += f"<p>The contact takes {100 * contact:.0f} % of this drive's twist at {results['reference_torque_nm']:.3g} N m.</p>"
+        text += f"<p>The contact takes {100 * contact:.0f} % of a further twist at {results['reference_torque_nm']:.3g} N m.</p>"
     known = ", ".join(f"{name} to {100 * limits[key][1]:.2g} %" for name, key in keys.items() if key in limits)
     mesh = f"These limits of fine meshes are known: {known}" if known else \
         "The error of the mesh is not known: run again with <code>run.tolerance</code>"

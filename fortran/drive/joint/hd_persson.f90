@@ -25,8 +25,12 @@ module hd_persson
   real(dp), parameter :: rise = 3.15_dp          !< m
   real(dp), parameter :: stiffest = 1e-6_dp !< full contact: k_N <= P / (stiffest h_rms)
   real(dp), parameter :: narrow = 0.04_dp   !< V/H^2 below which the two boundaries do not see each other
+  real(dp), parameter :: far = 8            !< sqrt(2 V) to the upper boundary beyond which nothing yields, erfc(far) = 1e-29
+  real(dp), parameter :: slope_of_erf = 2/sqrt(pi)  !< at 0
+  integer, parameter :: share_of_thread = 8         !< pressures that it takes at a time
   real(dp), parameter :: clear = 6          !< standard deviations to the nearer boundary beyond which all touches elastically
   real(dp), parameter :: step = 0.2_dp      !< of ln V
+  real(dp), parameter :: widest = exp(step) !< a band's upper end over its lower one that takes no more than one of them
   integer, parameter :: terms = 25          !< of the series: exp(-terms^2 pi^2 narrow/2) vanishes
   real(dp), parameter :: closed = 3         !< E* slopes of pressure under which no gap is left
   real(dp), parameter :: endless = 1e6_dp   !< E* that no pressure reaches: no yield
@@ -35,53 +39,77 @@ module hd_persson
 contains
 
   !> Stiffness per area of full stick, share of the area that touches, elastic or yielding, and variance of the pressures.
-  elemental subroutine contact_at(spectrum, modulus, hardness, pressure, k, area, variance)
+  subroutine contact_at(spectrum, modulus, hardness, pressure, k, area, variance)
     type(power_spectrum_t), intent(in) :: spectrum   !< of the equivalent surface
     real(dp), intent(in) :: modulus            !< E* [Pa]
     real(dp), intent(in) :: hardness           !< H of the softer body [Pa]
-    real(dp), intent(in) :: pressure           !< 0 < P < H [Pa]
-    real(dp), intent(out) :: k                 !< k_N [Pa/m]
-    real(dp), intent(out) :: area              !< share of the nominal area
+    real(dp), intent(in) :: pressure(:)        !< 0 < P < H [Pa]
+    real(dp), intent(out) :: k(:)              !< k_N [Pa/m]
+    real(dp), intent(out) :: area(:)           !< share of the nominal area
+    real(dp), intent(out) :: variance(:)       !< V_p [Pa^2]
+    real(dp) :: full(size(spectrum%q)), energy(size(spectrum%q)), a, height, by_energy
+    integer :: i
+    height = sum(spectrum%height)
+    a = share_at_no_contact(1) + share_at_no_contact(2)*(sum(spectrum%mean)**2/(height*sum(spectrum%slope)))**narrowness
+    full = (modulus/2)**2*spectrum%slope
+    energy = 0
+    where (full > 0) energy = modulus/4*spectrum%mean/full
+    !$omp parallel do schedule(dynamic, share_of_thread) private(by_energy)
+    do i = 1, size(pressure)
+      call spread(full, energy, a, hardness, pressure(i), by_energy, area(i), variance(i))
+      k(i) = pressure(i)/max(by_energy, stiffest*sqrt(height))
+    end do
+    !$omp end parallel do
+  end subroutine contact_at
+
+  !> Energy, contact and variance under one pressure, band after band.
+  pure subroutine spread(full, energy, a, hardness, pressure, by_energy, area, variance)
+    real(dp), intent(in) :: full(:)            !< dV of full contact of each band [Pa^2]
+    real(dp), intent(in) :: energy(:)          !< per dV [m/Pa^2]
+    real(dp), intent(in) :: a                  !< share at no contact
+    real(dp), intent(in) :: hardness, pressure !< H, 0 < P < H [Pa]
+    real(dp), intent(out) :: by_energy         !< dU/dP [m]
+    real(dp), intent(out) :: area              !< share of the nominal area that touches
     real(dp), intent(out) :: variance          !< V_p [Pa^2]
-    real(dp) :: a, by_energy, by_p, from, to, middle, half, half_by_p, share(2), share_by_p(2), power, power_by_p
+    real(dp) :: by_p, first, from, to, ratio, lower, middle, upper, half, half_by_p, share(2), share_by_p(2), power, power_by_p
+    complex(dp) :: turn
     integer :: i, j, n
-    associate (m => [sum(spectrum%height), sum(spectrum%mean), sum(spectrum%slope)])
-      a = share_at_no_contact(1) + share_at_no_contact(2)*(m(2)**2/(m(1)*m(3)))**narrowness
-    end associate
+    turn = cmplx(cos(pi*pressure/hardness), sin(pi*pressure/hardness), dp)
+    first = (min(pressure, hardness - pressure)/clear)**2
     variance = 0
     by_p = 0
     by_energy = 0
     to = 0
-    associate (full => (modulus/2)**2*spectrum%slope, first => (min(pressure, hardness - pressure)/clear)**2)
-      do i = 1, size(spectrum%q)
-        from = to
-        to = from + full(i)
-        if (.not. to > first) variance = to
-        if (.not. to > max(from, first)) cycle
-        if (from < first) variance = first
-        from = max(from, first)
-        n = ceiling(log(to/from)/step)
-        do j = 1, n  ! midpoint rule in ln V
-          middle = from*(to/from)**((j - 0.5_dp)/n)
-          associate (lower => from*(to/from)**(real(j - 1, dp)/n), upper => from*(to/from)**(real(j, dp)/n))
-            call touching(variance, by_p, hardness, pressure, share, share_by_p)
-            call spreading(share, share_by_p, power, power_by_p)
-            half = variance + (middle - lower)*power
-            half_by_p = by_p + (middle - lower)*power_by_p
-            call touching(half, half_by_p, hardness, pressure, share, share_by_p)
-            call spreading(share, share_by_p, power, power_by_p)
-            variance = variance + (upper - lower)*power
-            by_p = by_p + (upper - lower)*power_by_p
-            by_energy = by_energy + modulus/4*spectrum%mean(i)*energy_slope(a, share(1))*max(share_by_p(1), 0._dp)* &
-              (upper - lower)/full(i)
-          end associate
-        end do
+    do i = 1, size(full)
+      from = to
+      to = from + full(i)
+      if (.not. to > first) variance = to
+      if (.not. to > max(from, first)) cycle
+      if (from < first) variance = first
+      from = max(from, first)
+      n = 1
+      if (to > widest*from) n = ceiling(log(to/from)/step)
+      ratio = sqrt(to/from)
+      if (n > 1) ratio = ratio**(1/real(n, dp))
+      upper = from
+      do j = 1, n  ! midpoint rule in ln V
+        lower = upper
+        middle = lower*ratio
+        upper = merge(to, middle*ratio, j == n)
+        call touching(variance, by_p, hardness, pressure, turn, share, share_by_p)
+        call spreading(share, share_by_p, power, power_by_p)
+        half = variance + (middle - lower)*power
+        half_by_p = by_p + (middle - lower)*power_by_p
+        call touching(half, half_by_p, hardness, pressure, turn, share, share_by_p)
+        call spreading(share, share_by_p, power, power_by_p)
+        variance = variance + (upper - lower)*power
+        by_p = by_p + (upper - lower)*power_by_p
+        by_energy = by_energy + energy(i)*energy_slope(a, share(1))*max(share_by_p(1), 0._dp)*(upper - lower)
       end do
-    end associate
-    call touching(variance, by_p, hardness, pressure, share, share_by_p)
+    end do
+    call touching(variance, by_p, hardness, pressure, turn, share, share_by_p)
     area = min(sum(share), 1._dp)
-    k = pressure/max(by_energy, stiffest*sqrt(sum(spectrum%height)))
-  end subroutine contact_at
+  end subroutine spread
 
   !> Mean gap of the elastic contact, int dP/k_N from each pressure to full contact [m].
   subroutine mean_gap_at(spectrum, modulus, pressure, gap, error)
@@ -122,44 +150,47 @@ contains
   end subroutine spreading
 
   !> Shares of the area that touch, elastic and yielding: the pressure spreads by V_p from P, absorbed at 0 (parted) and at H.
-  pure subroutine touching(v, v_by_p, h, p, share, share_by_p)
+  pure subroutine touching(v, v_by_p, h, p, turn, share, share_by_p)
     real(dp), intent(in) :: v              !< V_p > 0 [Pa^2]
     real(dp), intent(in) :: v_by_p         !< dV_p/dP [Pa]
     real(dp), intent(in) :: h, p           !< hardness and nominal pressure [Pa]
+    complex(dp), intent(in) :: turn        !< exp(i pi p/h)
     real(dp), intent(out) :: share(2)      !< between the boundaries, at the upper one
     real(dp), intent(out) :: share_by_p(2) !< with V_p [1/Pa]
-    real(dp) :: s, density(2), wave, term, term_by_p, fall, ratio
-    complex(dp) :: turn, turned  ! cos + i sin of one wave's phase, and of n
-    integer :: n
+    real(dp) :: s, below, above, density(2), fall, ratio, square, wave
+    real(dp) :: sums(4)  ! of even and odd n, then their derivatives times h
+    complex(dp) :: turned  ! cos + i sin of n times the phase of one wave
+    integer :: i, n
     if (v < narrow*h**2) then
-      s = sqrt(2*max(v, tiny(v)))
-      density = 2/(sqrt(pi)*s)*exp(-([p, h - p]/s)**2)*[1 - p*v_by_p/s**2, 1 + (h - p)*v_by_p/s**2]
-      share(2) = erfc((h - p)/s)
-      share(1) = max(erf(p/s) - share(2), 0._dp)
+      s = 1/sqrt(2*max(v, tiny(v)))
+      below = p*s
+      above = (h - p)*s
+      share = [erf(below), 0._dp]
+      density = [slope_of_erf*s*exp(-below**2)*(1 - below*v_by_p*s), 0._dp]
+      if (above < far) then
+        share(2) = erfc(above)
+        density(2) = slope_of_erf*s*exp(-above**2)*(1 + above*v_by_p*s)
+        share(1) = max(share(1) - share(2), 0._dp)
+      end if
       share_by_p = [density(1) - density(2), density(2)]
       return
     end if
-    share = [0._dp, p/h]
-    share_by_p = [0._dp, 1/h]
-    turn = cmplx(cos(pi*p/h), sin(pi*p/h), dp)
+    wave = pi/h
     turned = 1
-    ratio = exp(-(pi/h)**2*v/2)  ! of falls, exp(-(n pi/h)^2 v/2), from 0 to 1; then it falls by its square
+    ratio = exp(-wave**2*v/2)  ! of falls, exp(-(n pi/h)^2 v/2), from n = 0 to 1; then it falls by its square
+    square = ratio**2
     fall = 1
+    sums = 0
     do n = 1, terms
-      fall = fall*ratio**(2*n - 1)
+      fall = fall*ratio
       if (fall < rounding) exit
+      ratio = ratio*square
       turned = turned*turn
-      wave = n*pi/h
-      term = 2/(n*pi)*turned%im*fall
-      term_by_p = 2/h*turned%re*fall - term*wave**2*v_by_p/2
-      if (mod(n, 2) == 1) then
-        share = share + [2*term, -term]
-        share_by_p = share_by_p + [2*term_by_p, -term_by_p]
-      else
-        share(2) = share(2) + term
-        share_by_p(2) = share_by_p(2) + term_by_p
-      end if
+      i = 1 + mod(n, 2)
+      sums(i) = sums(i) + turned%im*fall/n
+      sums(i + 2) = sums(i + 2) + (2*turned%re - n*wave*v_by_p*turned%im)*fall
     end do
-    share(1) = max(share(1), 0._dp)
+    share = [max(4/pi*sums(2), 0._dp), p/h + 2/pi*(sums(1) - sums(2))]
+    share_by_p = [2*sums(4), 1 + sums(3) - sums(4)]/h
   end subroutine touching
 end module hd_persson

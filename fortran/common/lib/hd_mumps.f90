@@ -4,6 +4,7 @@
 !> The pattern is analysed once, with an ordering of the caller's; values are factorised as often as they change.
 module hd_mumps
   use hd_kinds, only: dp, i8
+  use hd_lapack, only: blas_threads
   use hd_mumps_struc, only: dmumps_struc, dmumps
   use hd_system, only: check_stop
   use hd_error, only: error_t, raise, code_linear_solver, code_memory, code_internal
@@ -13,6 +14,8 @@ module hd_mumps
   public :: mumps_t, unsymmetric, positive_definite, check_mumps, ordering_given
 
   integer, parameter :: too_little(2) = [-8, -9]  !< INFOG(1): integer and main working space do not suffice
+  real(dp), parameter :: worth_threads = 2e10_dp  !< operations below which two threads of BLAS wait for each other longer than
+                                                  !< they compute, by measured factorisations of 5e7 to 2.5e10
   integer, parameter :: unsymmetric = 0        !< MUMPS SYM
   integer, parameter :: positive_definite = 1  !< MUMPS SYM
 
@@ -66,7 +69,7 @@ contains
     if (allocated(error)) return
     do attempt = 1, 5
       self%id%job = 2
-      call dmumps(self%id)
+      call compute(self%id, self%id%rinfog(1))
       if (all(self%id%infog(1) /= too_little)) exit
       self%id%icntl(14) = 2*self%id%icntl(14)
     end do
@@ -75,6 +78,16 @@ contains
     self%factor_entries = count_entries(self%id%infog(29))
     self%flops = self%id%rinfog(3)
   end subroutine factorise
+
+  !> The job of MUMPS, on one thread of BLAS where it is small.
+  subroutine compute(id, operations)
+    type(dmumps_struc), intent(inout) :: id  !< with its job
+    real(dp), intent(in) :: operations       !< of that job
+    integer :: threads
+    if (operations < worth_threads) threads = blas_threads(1)
+    call dmumps(id)
+    if (operations < worth_threads) threads = blas_threads(threads)
+  end subroutine compute
 
   !> The ordering that MUMPS says it used.
   pure function ordering_name(ordering, analysis) result(name)
@@ -108,7 +121,7 @@ contains
     self%id%lrhs = size(b, 1)
     self%id%rhs(1:size(b)) => b
     self%id%job = 3
-    call dmumps(self%id)
+    call compute(self%id, 4*real(self%factor_entries, dp)*size(b, 2))
     nullify (self%id%rhs)
     call check_mumps(self%id%infog(:16), self%id%n, error)
   end subroutine solve

@@ -419,3 +419,19 @@ def test_nan_in_tables_is_named(exe, tmp_path, words, text, where):
     done = call(command[0], *command[1:], "--out", tmp_path / "r")
     assert done.returncode in (2, 3) and done.stderr.startswith("error: ") and where in done.stderr, done.stderr
     assert done.stderr.count("error: ") == 1 and not (tmp_path / "r/summary.json").exists()
+
+
+@pytest.mark.parametrize("scene, words, told", [
+    ("cd14", ["bearing.ball_diameter=0.003", "fatigue.notch_factor=2", "load.spline=rigid"],
+     "this scene does not use load.spline, bearing.ball_diameter, fatigue.notch_factor: take it out"),
+    ("paper", ["joint.s_min=1e-12", "joint.table_file=t.csv"], "this scene does not use joint.table_file: take it out"),
+    ("drive14", ["joint.s_min=1e-12", "contact.mode=bonded", "contact.friction=0.2", "turning.torque=2", "bearing.balls=0", "bearing.ball_diameter=0.003"],
+     "does not use contact.friction, bearing.ball_diameter, turning.torque, joint.s_min: take it out"),
+    ("cd14", ["wave_generator.w=0"], "the cup stays round"), ("drive14", ["load.teeth=201"], "load.teeth = 201 is odd"),
+    ("cd14", ["bearing.ball_diameter=0.0032", "contact.friction=0.2", "joint.sample_length=1e-3"], "")])
+def test_keys_that_change_nothing_are_said(exe, scene, words, told):
+    """A key that differs from its default and is of a part that the scene lacks is named, as are a round cam and an odd number of teeth; a scene whose
+    keys all count, and values that are the defaults, are passed in silence."""
+    done = call(exe, ROOT / f"data/{scene}.nml", *words, "--check")
+    assert done.returncode == 0 and told in done.stdout + done.stderr
+    assert ("warning: " in done.stdout + done.stderr) == bool(told)

@@ -7,6 +7,7 @@ module hd_neighbour
   use hd_cup_sections, only: adopt_sections, has_sections
   use hd_drive, only: drive_t, new_drive, renew_drive, step_friction, strut_load
   use hd_error, only: error_t
+  use hd_idle_keys, only: is_idle
   use hd_joint, only: joint_t
   use hd_load_path, only: place_t, assembly_at, torque_at, under_torque
   use hd_mortar, only: add_nodal_forces, relative_displacement
@@ -90,7 +91,7 @@ contains
     logical :: zero
     is_real = .false.
     if (.not. (associated(p%real) .or. associated(p%count)) .or. p%stage(.true., .true.) > stage_load) return
-    if (any(p%group == [character(len=8) :: 'run', 'mesh', 'solver', 'surface', 'fit'])) return
+    if (any(p%group == [character(len=8) :: 'run', 'mesh', 'solver', 'surface', 'fit']) .or. is_idle(scene, p%group, p%key)) return
     if (associated(p%real)) then
       zero = .not. abs(p%real) > 0
     else

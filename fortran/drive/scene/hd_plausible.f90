@@ -3,6 +3,7 @@
 module hd_plausible
   use hd_kinds, only: dp, pi
   use hd_error, only: error_t, raise, code_input
+  use hd_idle_keys, only: idle_keys
   use hd_parameters, only: parameter_table_t, new_table, value_count
   use hd_scene, only: scene_t
   use hd_text, only: string_t, push, to_text, join
@@ -78,10 +79,15 @@ contains
   subroutine implausible(scene, lines)
     type(scene_t), intent(in) :: scene                    !< checked scene
     type(string_t), allocatable, intent(out) :: lines(:)  !< warnings
+    type(string_t), allocatable :: idle(:)
     allocate (lines(0))
     if (len_trim(scene%joint_doubt) > 0) call push(lines, 'joint.model: '//trim(scene%joint_doubt))
     call look_at_keys(scene, .false., lines)
-    if (.not. scene%surface_only) call compare(scene, .false., lines)
+    if (scene%surface_only) return
+    call compare(scene, .false., lines)
+    idle = idle_keys(scene)
+    if (size(idle) > 0) call push(lines, 'this scene does not use '//join(idle, ', ')// &
+      ": take it out, or see 'hdengine.x --explain "//idle(1)%s//"'")
   end subroutine implausible
 
   !> Of these the ones that a slip of units explains, or that no body has: they are some thousand times off.

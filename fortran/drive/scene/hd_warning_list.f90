@@ -52,7 +52,8 @@ module hd_warning_list
     warning_t('the cup stays round', 'w is 0. Check wave_generator.w'), &
     warning_t(' is odd: with two lobes', 'the ends of the long axis differ. Check load.teeth'), &
     warning_t('no gradient: ', 'the run was resumed, or a change of state spoilt it. Compare two runs'), &
-    warning_t('the rise ends at ', 'K1 or K2 is a shorter chord than a catalogue''s. Raise the torque')]
+    warning_t('the rise ends at ', 'K1 or K2 is a shorter chord than a catalogue''s. Raise the torque'), &
+    warning_t('this scene does not use ', 'a key of a part that is not there. Take it out, or see --explain KEY')]
 
 contains
 

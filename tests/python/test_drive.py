@@ -321,6 +321,20 @@ def test_a_hard_even_spring_is_a_rigid_wave_generator(exe, tmp_path):
         assert hard[key] == pytest.approx(rigid[key], rel=1e-3), key
 
 
+def test_an_even_spring_has_the_share_of_the_balls(exe, tmp_path):
+    """Pressed faces that hold make all linear: shares of balls and ring are the turn's derivatives by the logarithm of their compliances, less what the
+    joint adds, to 1e-3. The spring's share stood in the ring's."""
+    def run(*keys):
+        result, rows, *_ = solve(exe, tmp_path / "s", "bearing.balls=0", "wave_generator.ball_stiffness=1e8", "wave_generator.w=2e-5", "contact.friction=10",
+                                "wave_generator.interference=1e-4", "load.tooth_clearance=0", "loop.torques=2", *keys)
+        return rows["angle_rad"][-1], result["twist_shares"]
+    turn, shares = run()
+    assert shares["gaps"] == shares["slip"] == 0
+    for part, key, value in (("balls", "wave_generator.ball_stiffness", 1e8), ("ring", "material.ring_e", 2.19e11)):
+        slope = np.log(run(f"{key}={0.99 * value}")[0] / run(f"{key}={1.01 * value}")[0]) / np.log(1.01 / 0.99)
+        assert shares[part] == pytest.approx((1 - shares["joint"]) * slope, rel=1e-3), part
+
+
 def test_lost_motion_of_a_loop_that_does_not_close(exe, tmp_path):
     """Read on the first ramp where no later one comes back to 4 % of the rated torque: 4 steps give the lost motion of 40 to 1 %."""
     few, many = (solve(exe, tmp_path / str(n), "loop.torques=14,0,-14,0", "load.tooth_clearance=2e-5", f"load.torque_steps={n}")[0]["lost_motion_rad"]

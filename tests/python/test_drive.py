@@ -12,7 +12,7 @@ import hdengine
 from conftest import ROOT, call, solved, stopped_and_whole
 from hdengine import cli, load
 from hdengine.catalogue import UNITS, rated_torque, unit
-from hdengine.drive import _scene
+from hdengine.drive import KNOWN, RATIOS, _namelist, _scene
 from hdengine.figures.run import plot_run
 from hdengine.table_file import read_csv
 from hdengine.views.run import loop_of
@@ -589,6 +589,16 @@ def test_any_size_and_ratio_is_built(tmp_path):
         assert abs(np.array([result.k1, result.k2, result.k3]) / known.slopes - 1).max() < 0.3, (size, ratio, result)
         angle, torque = loop_of(result).stated
         assert np.interp(known.t1_nm, torque, angle) == pytest.approx(np.degrees(known.t1_nm / known.k1_nm_per_rad) * 60)
+
+
+@pytest.mark.parametrize("size", KNOWN)
+def test_no_scene_as_built_is_unusual(exe, tmp_path, size):
+    """No number of the table is said to be unusual, at either end of the ratios, cup or hat: w at ratio 30 from size 65 on and the hat's hub at 90 were."""
+    for ratio in RATIOS:
+        for hat in (False, True):
+            (tmp_path / "d.nml").write_text(_namelist({group: keys for group, keys in _scene(size, ratio, hat).items() if keys}))
+            done = call(exe, tmp_path / "d.nml", "--check")
+            assert done.returncode == 0 and "usual" not in done.stdout + done.stderr, (ratio, hat, done.stdout)
 
 
 @pytest.mark.parametrize("size, clearance", [(11, 7.5e-6), (14, 9e-6), (40, 12.5e-6), (58, 14.5e-6), (65, 16.25e-6), (80, 19e-6), (90, 19e-6)])

@@ -28,7 +28,7 @@ module hd_plausible
     usual_t('geometry.bore_radius', 5e-3_dp, 0.2_dp), usual_t('geometry.wall_thickness', 0.1e-3_dp, 5e-3_dp), &
     usual_t('geometry.rim_thickness', 0.1e-3_dp, 8e-3_dp), usual_t('geometry.rim_length', 1e-3_dp, 0.1_dp), &
     usual_t('geometry.cup_length', 5e-3_dp, 0.4_dp), usual_t('geometry.bottom_thickness', 0.1e-3_dp, 20e-3_dp), &
-    usual_t('geometry.hub_radius', 2e-3_dp, 0.15_dp), usual_t('geometry.ring_thickness', 0.3e-3_dp, 10e-3_dp), &
+    usual_t('geometry.hub_radius', 2e-3_dp, 0.2_dp), usual_t('geometry.ring_thickness', 0.3e-3_dp, 10e-3_dp), &
     usual_t('geometry.rim_taper', 1e-5_dp, 0.1_dp), usual_t('geometry.band_start', 1e-7_dp, 0.1_dp), &
     usual_t('cup.sections_r', 5e-3_dp, 0.4_dp), usual_t('cup.sections_z', 5e-3_dp, 0.4_dp), &
     usual_t('cup.sections_thickness', 0.1e-3_dp, 20e-3_dp), usual_t('cup.sections_fillet', 1e-5_dp, 0.1_dp), &
@@ -37,7 +37,7 @@ module hd_plausible
     usual_t('material.ring_e', 1e9_dp, 5e11_dp), usual_t('material.flexspline_nu', 0.15_dp, 0.49_dp), &
     usual_t('material.ring_nu', 0.15_dp, 0.49_dp), usual_t('material.yield_strength', 2e7_dp, 4e9_dp), &
     usual_t('material.ring_yield_strength', 2e7_dp, 4e9_dp), &
-    usual_t('wave_generator.w', 2e-5_dp, 3e-3_dp), usual_t('wave_generator.interference', 1e-8_dp, 1e-4_dp), &
+    usual_t('wave_generator.w', 2e-5_dp, 5e-3_dp), usual_t('wave_generator.interference', 1e-8_dp, 1e-4_dp), &
     usual_t('wave_generator.clearance', 1e-8_dp, 1e-4_dp), usual_t('wave_generator.arc_angle_deg', 10._dp, 80._dp), &
     usual_t('wave_generator.perimeter_length', 0.03_dp, 1.3_dp), &
     usual_t('bearing.ball_diameter', 0.5e-3_dp, 50e-3_dp), usual_t('bearing.groove_depth', 1e-6_dp, 10e-3_dp), &

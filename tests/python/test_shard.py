@@ -68,6 +68,15 @@ def test_parts_make_the_table_of_one_machine(study, tmp_path):
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "many" / name).read_bytes(), name
 
 
+def test_parts_of_one_assembly(study, tmp_path):
+    """Points that differ in their torque alone share an assembly, in shards that each solve it anew: the table stays that of one machine."""
+    text = (tmp_path / study).read_text().replace("0.20e-3, -1.0]", "0.20e-3]\nload.torque = [1.0, 2.0]").replace('rows = "last"', 'rows = "all"')
+    (tmp_path / study).write_text(text)
+    for more in (["--out", "one"], *(["--out", "two", "--shard", f"{i}/2"] for i in (1, 2)), ["--out", "two", "--collect"]):
+        assert main(["study", study, "-q", *more]) == 0
+    assert (tmp_path / "one/study.csv").read_bytes() == (tmp_path / "two/study.csv").read_bytes()
+
+
 def test_parts_of_drives(tmp_path, monkeypatch):
     """A study of whole drives whose first point is not valid: the parts make its table byte for byte, also the order of the columns, and K1 to K3
     stand once a point."""

@@ -424,13 +424,11 @@ def _study_warnings(result):
 
 
 def _study_convergence(rows):
-    """Iterations and balance over all load steps."""
+    """Balance over all load steps."""
     done = [r for r in rows if r["status"] == "done"]
     if not done:
         return "<p>No load step was solved.</p>"
-    iterations = [r["iterations"] for r in done]
-    return _pairs({"load steps solved": len(done), "Newton iterations of a load step, mean": np.mean(iterations),
-                   "most": max(iterations),
+    return _pairs({"load steps solved": len(done),
                    "largest torque out of balance / N m": max(abs(r["torque_balance_nm"]) for r in done)})
 
 

@@ -24,7 +24,7 @@ __all__: list[str] = []
 
 
 def _row(step, run, scene):
-    """One row of the table: nothing in it depends on the machine's speed."""
+    """One row of the table: nothing in it depends on the machine's speed, or on which points the process solved before."""
     f = step.facets
     place = np.stack([f["x_m"], f["y_m"], f["z_m"]], -1), np.stack([f["bent_n_x"], f["bent_n_y"], f["bent_n_z"]], -1)
     normal = torsion.torsional_stiffness(f["k_n_n_per_m"], 0 * f["k_t_n_per_m"], *place)
@@ -32,7 +32,7 @@ def _row(step, run, scene):
     stiffness = {
         "k_ts_normal_nm_per_rad": float("nan") if scene["load.support"] == "teeth" else float(normal)}
     return {
-        "status": "done", **{k: v for k, v in step.sums.items() if k != "seconds"}, **stiffness,
+        "status": "done", **{k: v for k, v in step.sums.items() if k not in ("seconds", "iterations")}, **stiffness,
         **long_axis(f, shape, scene["output.positions"], scene["geometry.band_length"]),
     }
 

@@ -61,6 +61,11 @@ def test_parts_make_the_table_of_one_machine(study, tmp_path):
     with pytest.raises(FileError, match=r"shards are not finished: 2/3 \(2 of 3 points\)"):
         shard.collect(Study.read(study), "many")
     assert '"status": "unfinished"' in (tmp_path / "many/study.json").read_text()
+    (tmp_path / "many/part-1.jsonl").rename(tmp_path / "first")
+    (tmp_path / "many/part-1.jsonl").write_text('{"sha')   # killed in its first line
+    with pytest.raises(FileError, match=r"shards are not finished: 1/3 \(2 of 2 points\), 2/3 \(2 of 3 points\)"):
+        shard.collect(Study.read(study), "many")
+    (tmp_path / "first").rename(tmp_path / "many/part-1.jsonl")
     assert main(["study", study, "--out", "many", "--shard", "2/3", "-q"]) == 0
     assert part.read_bytes() == whole
     assert main(["study", study, "--out", "many", "--collect"]) == 0

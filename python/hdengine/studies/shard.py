@@ -209,16 +209,17 @@ def collect(study: Study, out: PathLike, force: bool = False) -> StudyResult:
     """
     out = Path(out)
     paths = {int(p.stem[5:]): p for p in out.glob("part-*.jsonl") if p.stem[5:].isdigit()}
-    if not paths:
-        raise FileError(f"'{out}' holds no part: run 'hdengine study ... --shard 1/N' to N/N first")
     scene, identity = study.check(), study.identity()
     rows = _Rows()
     head: dict[str, Any] = {}
     for _, path in sorted(paths.items()):
         with open(input_file(path), "rb") as file:
-            head = head or _head(identity, _shards_of(path, file))
+            if not head and (shards := _shards_of(path, file)):
+                head = _head(identity, shards)
             for _, point, found in _lines(path, file, head):
                 rows.add(point, found)
+    if not head:
+        raise FileError(f"'{out}' holds no part: run 'hdengine study ... --shard 1/N' to N/N first")
     with FolderLock(out):
         if not force:
             study._earlier(out, identity)
@@ -234,9 +235,10 @@ def collect(study: Study, out: PathLike, force: bool = False) -> StudyResult:
 
 
 def _shards_of(path, file):
-    """Number of shards that the head of a part names."""
+    """Number of shards that the head of a part names; 0 where the shard was ended before it wrote one."""
     try:
-        shards = json.loads(file.readline())["shards"]
+        line = file.readline()
+        shards = json.loads(line)["shards"] if line.endswith(b"\n") else 0
     except (ValueError, KeyError, TypeError, RecursionError):
         raise FileError(f"'{path}' line 1 is not as a shard left it: submit the shard again with --force") from None
     file.seek(0)

@@ -9,7 +9,7 @@ from conftest import ROOT
 from hdengine.surfaces import roughness
 
 sys.path.insert(0, str(ROOT / "bench"))
-from blind_generators import LN_G, NOT_FRACTAL, field, line  # noqa: E402
+from blind_generators import LN_G, NOT_FRACTAL, field, line, stretched  # noqa: E402
 
 DX = 1e-6
 CASES = {
@@ -58,6 +58,12 @@ def test_a_fractal_map_has_one_range():
     """The range of a fractal map is its band and its D."""
     f = roughness.fit(*field(128, DX, 2.5, np.random.default_rng(1), finer=2))
     assert f.ranges == ((f.fractal_dimension, *f.band_m),)
+
+
+def test_a_stretched_map_has_no_lines():
+    """A map stretched threefold at an angle to its axes has one D in all directions: its spectrum is fitted, not S, and intervals hold D."""
+    fits = [roughness.fit(stretched(128, DX, 2.5, np.random.default_rng(seed), 3, 0.5), DX) for seed in range(4)]
+    assert all(f.model == "spectrum" and f.interval[0][0] < 2.5 < f.interval[0][1] for f in fits)
 
 
 def test_lines_too():

@@ -29,7 +29,7 @@ module hd_map_fit
   real(dp), parameter :: inside = 0.1_dp      !< distance of a slope from those of D = 2 and D = 3, where filling has no like
   integer, parameter :: patches = 8           !< of the longest step, that a kurtosis is taken over
   integer, parameter :: sure = 5              !< standard errors of a kurtosis that no Gaussian map of this many steps reaches
-  real(dp), parameter :: lines = 3            !< scatter of modes about their ring from which on the spectrum is one of lines
+  real(dp), parameter :: lines = 3            !< scatter of modes of one direction from which on the spectrum is one of lines
   real(dp), parameter :: many_spikes = 0.02_dp !< share of masked points of a map that is called spikes
   real(dp), parameter :: offsets = 3          !< power of an axis over that of its rings from which on rows or columns are offset
 
@@ -72,6 +72,7 @@ contains
       associate (t => b%rings)
         t%m = (t%p + second%p)**2 / (t%p**2 / t%m + second%p**2 / second%m)
         t%scatter = max(t%scatter, second%scatter)
+        t%aside = max(t%aside, second%aside)
         t%axis = max(t%axis, second%axis)
         t%p = t%p + second%p
       end associate
@@ -82,7 +83,7 @@ contains
     else
       call fit_spectrum(b%rings, noise, b%fit, error)
       if (allocated(error)) return
-      b%of_lines = b%fit%scatter > lines
+      b%of_lines = b%fit%aside > lines
       last = size(b%rings%f)
       if (b%fit%accepted .and. last - b%fit%last > more_rings .and. b%rings%f(last) > more_band * b%fit%f_hi) then
         call fit_spectrum(b%rings, noise, b%above, error, b%fit%f_hi, b%rings%f(last))

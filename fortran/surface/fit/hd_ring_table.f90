@@ -24,6 +24,7 @@ module hd_ring_table
   integer, parameter :: far = 6               !< modes that a steep spectrum is seen over
   real(dp), parameter :: growth = 1.06_dp     !< of the rings
   real(dp), parameter :: low_end = 14         !< below this number of waves per side modes are kept one by one
+  integer, parameter :: sectors = 8           !< of half a turn: in one the power of a stretched surface hardly changes
 
   !> Rings of a map or of a line.
   type :: ring_table_t
@@ -37,6 +38,7 @@ module hd_ring_table
     real(dp), allocatable :: m(:)             !< number of modes
     real(dp), allocatable :: width2(:)        !< mean square of ln f about the ring's
     real(dp), allocatable :: scatter(:)       !< mean square of the modes' power over square of its mean; 2 of a Gaussian field
+    real(dp), allocatable :: aside(:)         !< the same among modes of nearly one direction: 2 of a stretched one too
     real(dp) :: axis(2) = 1                   !< power of waves along x and y alone, over that of their rings or of the taper's leak
     real(dp) :: leak(2) = 1                   !< the same over that of their rings alone
     real(dp) :: beside(2) = 1                 !< power of the modes next to those, over that of their rings
@@ -142,9 +144,11 @@ contains
     real(dp), intent(in) :: power(:, :)       !< of the half plane (nx/2 + 1, ny)
     real(dp), intent(in) :: edge(:)           !< of the rings [1/m]
     real(dp), dimension(size(edge) - 1) :: m, p, p2, l, l2
-    integer :: place(size(edge) - 1), i, j, kx, ky, r, pass, low
+    real(dp) :: apart(sectors, size(edge) - 1, 0:2)  ! sums of the modes' power to the powers 0, 1, 2
+    integer :: place(size(edge) - 1), i, j, k, kx, ky, r, pass, low
     real(dp) :: f
     m = 0; p = 0; p2 = 0; l = 0; l2 = 0
+    apart = 0
     do pass = 1, 2
       low = 0
       do j = 1, size(power, 2)
@@ -162,6 +166,9 @@ contains
             p2(r) = p2(r) + power(i, j)**2
             l(r) = l(r) + log(f)
             l2(r) = l2(r) + log(f)**2
+            k = 1
+            if (t%dim == 2) k = 1 + int(sectors * (0.5_dp + atan2(ky / t%side(2), kx / t%side(1)) / pi))
+            apart(k, r, :) = apart(k, r, :) + [1._dp, power(i, j), power(i, j)**2]
           else if (m(r) >= fewest .and. t%f(place(r)) < low_end * t%df) then
             low = low + 1
             t%kx(low) = kx
@@ -180,7 +187,9 @@ contains
       end do
       t%m = pack(m, m >= fewest)
       t%p = pack(p / max(m, 1._dp), m >= fewest)
-      t%scatter = pack(p2 * max(m, 1._dp) / max(p, tiny(1._dp))**2, m >= fewest)
+      p2 = p2 * max(m, 1._dp) / max(p, tiny(1._dp))**2
+      t%scatter = pack(p2, m >= fewest)
+      t%aside = pack(among(apart(:, :, 0), apart(:, :, 1), apart(:, :, 2), p2), m >= fewest)
       t%f = pack(exp(l / max(m, 1._dp)), m >= fewest)
       t%width2 = max(pack(l2 / max(m, 1._dp) - (l / max(m, 1._dp))**2, m >= fewest), 0._dp)
       low = nint(sum(t%m, t%f < low_end * t%df))
@@ -188,6 +197,15 @@ contains
     end do
     if (t%dim == 2) call weigh_axes(t, power, edge, place)
   end subroutine collect
+
+  !> Scatter of modes within their sectors, less what the mean of few takes; that of the ring where its sectors hold too few.
+  pure function among(m, p, p2, whole) result(scatter)
+    real(dp), intent(in) :: m(:, :), p(:, :), p2(:, :)  !< number, sums of power and of its square (sectors, rings)
+    real(dp), intent(in) :: whole(:)                    !< scatter of the rings
+    real(dp) :: scatter(size(whole)), each(size(m, 1), size(whole))
+    each = p2 * (m + 1) / max(p, tiny(1._dp))**2
+    scatter = merge(sum(m * each, 1, m >= fewest) / max(sum(m, 1, m >= fewest), 1._dp), whole, any(m >= fewest, 1))
+  end function among
 
   !> Mean of the modes on either axis, each over the power of its ring, or over what the taper leaks of the longest waves where a
   !> blurred map holds less: that falls with the sixth power of the frequency.

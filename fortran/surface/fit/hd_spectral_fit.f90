@@ -43,6 +43,7 @@ module hd_spectral_fit
     real(dp) :: misfit = 0                    !< rms of ln power that the model is off by
     logical :: accepted = .false.             !< the window's misfit is within chance (one in a thousand) or 2 %
     real(dp) :: scatter = 1                   !< of single modes about their ring; 1 of a Gaussian isotropic field
+    real(dp) :: aside = 1                     !< about those of nearly their direction; 1 of a Gaussian field
     real(dp), allocatable :: model(:)         !< expected power of the rings of the window
     integer :: first = 0, last = 0            !< rings of the window
     type(crossover_t) :: two                  !< two laws over all rings
@@ -213,6 +214,7 @@ contains
     call power_of(m, at_slope(m, c%n), c%sigma, r%first, r%last, straight, folded)
     r%model = c%a * mixed(straight, folded, c%alpha) + c%v
     r%scatter = sum(t%m(r%first:r%last) * (t%scatter(r%first:r%last) - 1)) / sum(t%m(r%first:r%last))
+    r%aside = sum(t%m(r%first:r%last) * (t%aside(r%first:r%last) - 1)) / sum(t%m(r%first:r%last))
     more = max(1._dp, r%deviance / r%freedom) * max(1._dp, r%scatter)
     call profile(t, m, b, fixed, r, quantile, r%sampling, bend)
     r%interval = r%sampling

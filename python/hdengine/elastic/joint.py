@@ -146,5 +146,5 @@ def joint_of_scene(scene: dict, friction: float | None = None) -> Joint | Elasti
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", JointWarning)
-        elastic = None if scene.get("joint.model") == "hu2023" else ElasticJoint.of_scene(scene, friction)  # which parses a scene as long as Joint does
+        elastic = None if scene.get("joint.model") == "hu2023" else ElasticJoint.of_scene(scene, friction)  # parsing takes long
         return elastic or Joint.of_scene(scene, friction)

@@ -8,11 +8,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import hdengine
 from conftest import CD14, ROOT, call
 from hdengine.cli import main
+from test_regressions import rough_map
 
 WORDS = ["mesh.divisions=16", "mesh.band_facets=3", "load.assembly_steps=1", "load.torque_steps=1"]
 SURFACE = ["surface.nx=32", "surface.ny=24", "surface.ridges=3"]
@@ -25,13 +27,14 @@ STUDY = "[fixed]\nmesh = {divisions = 16, band_facets = 3}\nload.torque_steps = 
 def commands(exe, folder):
     """A command by name that writes into folder/r, with what it needs beside it."""
     (folder / "s.toml").write_text(STUDY)
+    np.save(folder / "map.npy", rough_map())
     return {
         "press fit": [exe, CD14, *WORDS, "output.vtu=all", "--out", "r"],
         "surface": [exe, ROOT / "data/surface.nml", *SURFACE, "--out", "r"],
         "drive": [exe, ROOT / "tests/cases/pressed_drive.nml", *DRIVE, "--out", "r"],
         "study": [*FILL, "study", "s.toml", "--out", "r", "-q"],
         "record": [*FILL, "record", ROOT / "data/torque_record.csv", "--out", "r"],
-        "joint": [*FILL, "joint", ROOT / "data/specimen_flexspline.sdf", "--out", "r"],
+        "joint": [*FILL, "joint", "map.npy", "--dx", "1e-6", "--model", "spectrum", "--out", "r"],
         "teeth": [*FILL, "teeth", ROOT / "data/drive14.nml", "--profile", "involute", "--module", "0.1778e-3", "--out", "r"],
     }
 

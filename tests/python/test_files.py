@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from test_regressions import rough_map
 
 import hdengine
 from conftest import CD14, ROOT, call
 from hdengine.cli import main
-from test_regressions import rough_map
 
 WORDS = ["mesh.divisions=16", "mesh.band_facets=3", "load.assembly_steps=1", "load.torque_steps=1"]
 SURFACE = ["surface.nx=32", "surface.ny=24", "surface.ridges=3"]

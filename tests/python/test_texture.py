@@ -201,8 +201,8 @@ def test_the_command_takes_forms_and_filters(tmp_path, capsys):
 
 
 def test_what_is_printed_is_in_micrometres(tmp_path, exe):
-    """Heights and lengths print in micrometres under the names of ISO 25178-2; a fit that is refused prints no D and G, in the command
-    and in the log, one that holds its G."""
+    """Heights and lengths print in micrometres under the names of ISO 25178-2; a fit that is refused prints no D and G, in the
+    command, the figure and the log, one that holds its G."""
     fine = read(ROOT / "data/specimen_bearing.sdf")
     found = texture.texture(fine)
     said, fit = str(found), str(fine.fit(surface=hdengine.roughness.Ridges(5e-4, 1e-6, 10, 1.5)))
@@ -210,7 +210,10 @@ def test_what_is_printed_is_in_micrometres(tmp_path, exe):
     assert f"Sdr {100 * found.numbers['sdr']:.4g}, " in said
     assert re.search(r"^G +0\.09\d* µm, ", fit, re.M) and not re.search(r"e-\d+ m\b|\d m\b", said + fit)
     sine = np.tile(1e-6 * np.sin(np.arange(200) * 2 * np.pi / 40), (200, 1))
-    refused = str(Specimen(sine, (1e-6, 1e-6), "sine").fit())
+    fits = [Specimen(sine, (1e-6, 1e-6), "sine").fit(), fine.fit(surface=hdengine.roughness.Ridges(5e-4, 1e-6, 10, 1.5))]
+    drawn = [" ".join(t.get_text() for t in fit.plot().get_legend().get_texts()) for fit in fits]
+    assert "no D and G" in drawn[0] and "D =" not in drawn[0] and re.search(r"D = 2\.\d{4}, G = 0\.09\d* µm", drawn[1]), drawn
+    refused = str(fits[0])
     assert "not fractal" in refused and "none that describe this surface" in refused and not re.search(r"^[DG] |2\.\d{4}", refused, re.M)
     np.save(tmp_path / "sine.npy", sine)
     (tmp_path / "s.nml").write_text(f"&hd_input\n version = 1\n/\n&fit\n first_file = '{tmp_path}/sine.npy'\n dx = 1e-6\n/\n")

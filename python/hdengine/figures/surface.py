@@ -43,9 +43,9 @@ def plot_fit(fit: Fit, axis: Axes | None = None, label: str = "measured", colour
         name = label if i == 0 and len(fit.directions()) == 1 else f"{label}, {way}"
         axis.loglog(tau, fit.s_m2[part] * 1e12, "os"[i], ms=5, mfc="none", color=colour, label=name)
         if fitted:
-            g = f", G = {fit.roughness_m:.4g} m" if fit.determined else ", G not determined"
-            text = f"D = {fit.fractal_dimension:.4f}{g}" if i == 0 else None
-            axis.loglog(tau, fit.curve_m2[part] * 1e12, ("-", "--")[i], color=colour, label=text)
+            g = f", G = {1e6 * fit.roughness_m:.4g} µm" if fit.determined else ", G not determined"
+            text = f"D = {fit.fractal_dimension:.4f}{g}" if fit.verdict == "fractal" else "model, no D and G of this surface"
+            axis.loglog(tau, fit.curve_m2[part] * 1e12, ("-", "--")[i], color=colour, label=text if i == 0 else None)
             axis.fill_between(tau, low[part] * 1e12, high[part] * 1e12, color=colour, alpha=0.2 if i == 0 else 0.1, lw=0)
     _label_lags(axis)
     axis.set_ylabel("S(τ) / µm²")

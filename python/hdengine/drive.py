@@ -12,6 +12,8 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
+import numpy as np
+
 from ._check import checked, flag, integer
 from ._engine import InputError
 from ._types import Value
@@ -29,6 +31,7 @@ RATIOS = (30, 200)  # of strain wave gears with two lobes: below, the teeth are 
 # diameters up to [m], widths of the tolerances of the bore (H7) and of the bearing (normal class) [m]
 WIDTHS = ((30e-3, 21e-6, 9e-6), (50e-3, 25e-6, 11e-6), (80e-3, 30e-6, 13e-6), (120e-3, 35e-6, 15e-6), (150e-3, 40e-6, 18e-6),
           (180e-3, 40e-6, 25e-6), (250e-3, 46e-6, 30e-6))
+BEARINGS = ((35e-3, 6e-3), (42e-3, 7e-3), (62e-3, 9e-3))    # outer diameters and widths of flexible bearings [m]
 PLAY = 1e-6         # of the closest pair of teeth of size 14, round the axis [m]
 SHORT = re.compile(r"[-+.\d\s,eEdD]+|\.?(true|false)\.?", re.IGNORECASE)  # a value that a namelist takes without quotes
 
@@ -51,6 +54,13 @@ def _clearance(diameter):
     return next((bore + bearing) / 4 for most, bore, bearing in WIDTHS if diameter <= most)
 
 
+def _width(diameter):
+    """Of the bearing [m]: between those that are known by the line, beyond them in proportion."""
+    diameters, widths = zip(*BEARINGS, strict=True)
+    known = min(max(diameter, diameters[0]), diameters[-1])
+    return float(np.interp(known, diameters, widths)) * diameter / known
+
+
 def _pressure_angle(ratio):
     """Of the teeth, from a maker's formula of the axial force [deg]."""
     return 20 if ratio >= 80 else 30 if ratio >= 50 else 32
@@ -60,9 +70,10 @@ def _bodies(size, ratio, hat):
     """Groups &geometry and &cup. Below ratio 50, where w is larger, wall, rim and ring are thinner, so that the stress of bending
     them to the cam, E w t / r^2, stays at that of ratio 50."""
     s, thin = size / 14, min(1, ratio / 50)
-    bore = 17.5e-3 * s
-    geometry = {"bore_radius": bore, "rim_length": 9e-3 * s, "ring_thickness": 1e-3 * s * thin, "band_start": 1.5e-3 * s,
-                "band_length": 6e-3 * s}
+    bore, rim = 17.5e-3 * s, 9e-3 * s
+    width = _width(2 * bore)
+    geometry = {"bore_radius": bore, "rim_length": rim, "ring_thickness": 1e-3 * s * thin, "band_start": (rim - width) / 2,
+                "band_length": width}
     if hat:
         return geometry, {
             "sections_r": [bore] * 4 + [27e-3 * s], "sections_z": [x * s for x in (0, 9e-3, 10e-3, 20e-3, 20e-3)],

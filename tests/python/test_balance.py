@@ -61,7 +61,7 @@ def test_rows_of_the_flanks_make_the_torque(exe, tmp_path, name, keys):
 @pytest.mark.parametrize("clearance", [9e-6, 50e-6])
 def test_lateral_forces_balance(exe, tmp_path, clearance):
     """Along x and y the contact carries what the balls put on the ring, and contact and teeth what the hub takes, within the chords of
-    86 facets and the width of patches; all forces together leave nothing. With normals of the deformed face it would be 1 % off."""
+    86 facets and the width of patches; all forces together leave nothing. With normals of the deformed face it would be 0.8 % off."""
     tables, scene, reference = solve(exe, tmp_path / "r", "data/drive20.nml", f"wave_generator.clearance={clearance}", "loop.torques=40",
                                      "load.torque_steps=4", "mesh.band_facets=6")
     step, facets, balls, flanks = (tables[name][tables[name]["step"] == reference] for name in TABLES)
@@ -70,7 +70,7 @@ def test_lateral_forces_balance(exe, tmp_path, clearance):
     assert np.linalg.norm(put) > 1e-4 * step["normal_force_n"][0]
     np.testing.assert_allclose(contact, put, rtol=0, atol=close)
     if clearance > 20e-6:
-        assert np.linalg.norm(of_contact(facets, "bent_n") - put) > 4 * close
+        assert np.linalg.norm(of_contact(facets, "bent_n") - put) > 3 * close
     teeth = lateral(flanks["theta_rad"], *of_teeth(flanks, scene))
     np.testing.assert_allclose(contact + teeth, [step["hub_force_x_n"][0], step["hub_force_y_n"][0]], rtol=0, atol=close)
     assert max(abs(step[f"lateral_balance_{x}_n"][0]) for x in "xy") < 1e-8 * step["normal_force_n"][0]

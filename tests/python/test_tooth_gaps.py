@@ -254,7 +254,7 @@ def test_gaps_on_the_rim_of_a_run(assembled, tmp_path, capsys):
 
 def test_teeth_stand_on_a_rim_that_keeps_its_length(tmp_path):
     """At ratio 30 of size 20 the cam's curve leaves its first order by up to w^2/R = 36 um, which a run of small displacements lacked: its clearances were
-    off by up to 6 um from those on the rim of large displacements. They agree within 1.2 um of 3 to 80, the mean radii within a tenth."""
+    off by up to 6 um from those on the rim of large displacements. They agree within 1.6 um of 2 to 78, the mean radii within a tenth."""
     scene = hdengine.as_built(20, 30, mesh={"divisions": 44, "band_facets": 4})
     load = {key: value for key, value in scene["load"].items() if "tooth_gaps" not in key}
     scene |= {"loop": {"torques": "0,0"}, "load": load | {"torque_steps": 1}, "run": {"band": False}, "output": {"vtu": "last"}}
@@ -265,7 +265,7 @@ def test_teeth_stand_on_a_rim_that_keeps_its_length(tmp_path):
         found[kinematics] = (tooth_gaps(Involute(2.54e-3 * 20 / 60), tmp_path / kinematics, least_gap=1.2e-6), rim.shape.harmonics[:, [0, 4]])
     (small, few), (large, many) = found.values()
     for name in ("gap_m", "gap_back_m"):
-        np.testing.assert_allclose(small.table[name], large.table[name], rtol=0, atol=1.2e-6)
+        np.testing.assert_allclose(small.table[name], large.table[name], rtol=0, atol=1.6e-6)
     u, v = RimShape.read(tmp_path / "linear", hdengine.read_scene(tmp_path / "linear/echo.nml")).harmonics[:, [0, 4]]
     r = rim.radius - scene["geometry"]["rim_thickness"] / 2
     assert few[0, 0] - u[0] == pytest.approx(-9 / 16 * scene["wave_generator"]["w"] ** 2 / r, rel=0.02)

@@ -8,7 +8,7 @@ module hd_tolerance_runs
   use hd_kinds, only: dp
   use hd_clock, only: wall_seconds
   use hd_conditions, only: check_scene
-  use hd_cup_sections, only: adopt_sections, has_sections
+  use hd_cup_sections, only: adopt_sections
   use hd_error, only: error_t, raise, code_stopped
   use hd_idle_keys, only: is_idle
   use hd_load_path, only: path_end
@@ -282,11 +282,8 @@ contains
   pure logical function takes_part(p, scene)
     type(parameter_t), intent(in) :: p   !< row
     type(scene_t), intent(in) :: scene   !< scene
-    character(len=*), parameter :: of_cup = ' wall_thickness rim_thickness cup_length bottom_thickness hub_radius '
     takes_part = p%tolerance > 0 .and. .not. is_idle(scene, p%group, p%key)
     if (p%key == 'tooth_gaps') takes_part = takes_part .and. scene%tooth_pairs <= most_gaps
-    if (p%group == 'cup') takes_part = takes_part .and. has_sections(scene)
-    if (p%group == 'geometry' .and. has_sections(scene)) takes_part = takes_part .and. index(of_cup, ' '//p%key//' ') == 0
   end function takes_part
 
   !> The scene with a key at either end of its tolerance; an end that changes nothing is left out.

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Keys that say something of a part that the scene does not have.
 module hd_idle_keys
+  use hd_cup_sections, only: has_sections
   use hd_parameters, only: parameter_table_t, new_table
   use hd_scene, only: scene_t
   use hd_text, only: string_t, push
@@ -23,7 +24,7 @@ contains
     allocate (names(0))
     do i = 1, size(table%rows)
       associate (row => table%rows(i))
-        if (row%default == defaults%rows(i)%default) cycle
+        if (row%default == defaults%rows(i)%default .or. row%group == 'geometry') cycle  ! that takes what the sections say
         if (is_idle(scene, row%group, row%key)) call push(names, row%group//'.'//row%key)
       end associate
     end do
@@ -37,6 +38,11 @@ contains
     is_idle = .false.
     named_model = s%joint_model /= 'auto'
     select case (group)
+    case ('geometry')
+      is_idle = has_sections(s) .and. any(key == [character(len=16) :: 'wall_thickness', 'rim_thickness', 'cup_length', &
+        'bottom_thickness', 'hub_radius'])
+    case ('cup')
+      is_idle = .not. has_sections(s)
     case ('bearing')
       is_idle = .not. s%support%struts .or. (s%balls == 0 .and. key /= 'balls' .and. key /= 'model')
     case ('loop', 'fatigue')

@@ -4,7 +4,7 @@
 A premise is a scene and its keys; each is solved at five deformations w and with 10 um of eccentricity, at 1, 3 and 5 N m. Writes
 bench/results/paper_comparison.json.
 
-Usage: python bench/paper_comparison.py [drive] [loose] [fine] [rigid] [cup] [formed]; without words all
+Usage: python bench/paper_comparison.py [drive] [loose] [fine] [teeth] [rigid] [cup] [formed]; without words all
 """
 import sys
 import tempfile
@@ -12,7 +12,7 @@ import tempfile
 import numpy as np
 
 from common import solve, write_part
-from hdengine import load, paper
+from hdengine import Involute, load, paper, tooth_gaps
 
 W = (0.195e-3, 0.2e-3, 0.205e-3, 0.21e-3, 0.215e-3)
 READINGS = {"eq45": "k_ts_nm_per_rad", "bonded": "k_ts_bonded_nm_per_rad"}
@@ -20,7 +20,7 @@ COARSE = {"mesh.divisions": 48, "mesh.band_facets": 8, "load.assembly_steps": 1,
 DRIVE = {"scene": "drive14", "loop.torques": 5, "joint.model": "hu2023", "joint.asperity_radius": 5e-6}
 CUP = {"scene": "paper", "load.support": "hub", "wave_generator.ring_tangent": "auto"}
 FORMED = {**CUP, "wave_generator.shape": "as_formed", "load.torque_load": "teeth"}
-GROUPS = ("drive", "loose", "fine", "rigid", "cup", "formed")   # how the names of premises begin
+GROUPS = ("drive", "loose", "fine", "teeth", "rigid", "cup", "formed")   # how the names of premises begin
 
 
 def loose(um):
@@ -37,6 +37,7 @@ def premises():
             ("ellipse", {"wave_generator.cam": "ellipse"}), ("rigid balls", {"bearing.balls": 0}))}
     found |= {f"loose drive, clearance {c} µm": {**DRIVE, **loose(c)} for c in (35, 38, 42, 45)}
     found |= {f"fine mesh, drive, clearance {c} µm": {**DRIVE, **loose(c), "mesh.divisions": 86, "mesh.band_facets": 10} for c in (40, 42)}
+    found |= {f"teeth as made, clearance {c} µm": {**DRIVE, **loose(c), "made": True} for c in (40,)}
     found |= {f"rigid balls, clearance {c} µm{words}": {**DRIVE, **loose(c), "bearing.balls": 0, **keys} for c, words, keys in (
         (30, "", {}), (40, "", {}), (45, "", {}), (60, "", {}), (50, ", friction 0.3", {"contact.friction": 0.3}), (50, ", angle 30°", {"load.pressure_angle_deg": 30}))}
     found |= {f"cup held, clearance {c} µm": {**CUP, **loose(c)} for c in (-10, 0, 20, 50)}
@@ -59,16 +60,17 @@ def solved(keys):
         return {name: [float(steps[column][i]) for i in at] for name, column in READINGS.items()}
 
 
-def judge(over_w, moved):
-    """A premise in one reading: changes of K_TS in per cent (with the torque; at 5 N m by eccentricity and over w), and its trends.
+def with_teeth(keys, x2=None):
+    """Keys with the gaps of a rack on the rim that they assemble: closest pair 1 um, or a spline of the profile shift x2; and that shift."""
+    with tempfile.TemporaryDirectory() as folder:
+        words = [f"{k}={v}" for k, v in {**COARSE, **keys, "loop.torques": "0,0", "load.torque_steps": 1}.items() if k != "scene"]
+        solve(f"{keys['scene']}.nml", *words, "output.vtu=last", out=f"{folder}/rim")
+        found = tooth_gaps(Involute(2.54e-3 * 14 / 200, x2=x2), f"{folder}/rim", least_gap=None if x2 else 1e-6)
+    return {**keys, **{f"load.{k}": ", ".join(f"{v:.4g}" for v in found.keys()[f"load.{k}"]) for k in ("tooth_gaps", "tooth_gaps_back")}}, found.facts["x2"]
 
-    Parameters
-    ----------
-    over_w : (5, 3) array
-        K_TS over w and torque.
-    moved : (3,) array
-        With eccentricity.
-    """
+
+def judge(over_w, moved):
+    """A premise in one reading, K_TS over w and torque (5, 3) and with eccentricity (3): changes in per cent (at 5 N m, but for the torque's); trends."""
     with np.errstate(invalid="ignore", divide="ignore"):
         k = over_w[W.index(0.2e-3)]
         rise, fall = 100 * (k[2] / k[0] - 1), 100 * (moved / k - 1)
@@ -77,7 +79,6 @@ def judge(over_w, moved):
         trends = {"torque": paper.judge_trend([stated], [rise]) != "does not agree",
                   "eccentricity": paper.judge_trend(paper.STATED["eccentricity_percent"], fall) != "does not agree",
                   "w": bool(np.all(np.isfinite(over_w)) and np.all((top > 0) & (top < len(W) - 1)) and np.all(gain > 0.5))}
-
     return dict(zip(("rise_percent", "fall_percent", "gain_percent"), short([rise, fall[2], gain[2]]))) | {
         "trends": " ".join(name for name, given in trends.items() if given)}
 
@@ -88,9 +89,11 @@ def short(values):
 
 
 def explore(keys):
-    """All places of one premise: both readings at w = 0.2 mm, and what each says."""
-    found = [solved({**keys, "wave_generator.w": w}) for w in W]
-    moved = solved({**keys, "wave_generator.eccentricity": 10e-6})
+    """All places of one premise: both readings at w = 0.2 mm, and what each says. Teeth as made are those for w = 0.2 mm at every place."""
+    keys = dict(keys)
+    x2 = with_teeth(keys)[1] if keys.pop("made", None) else None
+    *found, moved = (solved(with_teeth(at, x2)[0] if x2 else at) for at in (
+        *({**keys, "wave_generator.w": w} for w in W), {**keys, "wave_generator.eccentricity": 10e-6}))
     return {**{f"{name}_nm_per_rad": short(found[W.index(0.2e-3)][name]) for name in READINGS},
             **{name: judge(np.array([f[name] for f in found]), np.array(moved[name])) for name in READINGS}}
 
@@ -100,7 +103,8 @@ def bench():
     with tempfile.TemporaryDirectory() as folder:
         solve("drive14.nml", "load.torque=5.25", "load.torque_steps=21", out=f"{folder}/r")
         loop = load(f"{folder}/r").loop
-        torque, angle = (np.array(loop[k][-22:]) for k in ("torque_nm", "angle_rad"))
+        begin = np.flatnonzero(np.abs(loop["torque_nm"]) < 1e-9)[-1]   # of the last rise
+        torque, angle = (np.array(loop[k][begin:]) for k in ("torque_nm", "angle_rad"))
         place = {t: int(np.flatnonzero(np.abs(torque - t) < 1e-9)[0]) for t in (0.5, 5.0)}
         return {"torque_nm": [*place], "slope": [float(f"{(torque[i + 1] - torque[i - 1]) / (angle[i + 1] - angle[i - 1]):.4g}") for i in place.values()],
                 "chord": [float(f"{torque[i] / (angle[i] - angle[0]):.4g}") for i in place.values()]}

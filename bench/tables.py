@@ -225,7 +225,7 @@ def drive_kin():
 def drive_shares():
     """Shares of the twist at the rated torque [%]."""
     names = ("cup", "ring", "balls", "teeth", "spline", "gaps", "slip", "joint")
-    return ("drive", *names), [(r["drive"].replace("_", "-"), *(f"{100 * r['shares'][n]:.0f}" for n in names)) for r in drive_rows() if r["drive"] in ("14", "20", "40", "20_50", "20_160")]
+    return ("drive", *names), [(r["drive"].replace("_", "-"), *(f"{100 * r['shares'][n]:.0f}" for n in names)) for r in drive_rows() if r["drive"] in ("14", "20", "20_50", "20_160")]
 
 
 def drive_slopes():
@@ -278,7 +278,7 @@ def premises():
     record = read_record("paper_comparison")
     rows = [r for group in GROUPS for r in record[group]]
     out = [(r["premise"].replace("clearance -10", "interference 10"), " / ".join("-" if v is None else digits(v / 1e3, 3) for v in r["bonded_nm_per_rad"]), *shown(r["bonded"]), *shown(r["eq45"]))
-           for r in rows if r["premise"].startswith("fine") or r["premise"].startswith(("drive", "cup")) and r["premise"].count(",") == 1
+           for r in rows if r["premise"].startswith(("fine", "teeth")) or r["premise"].startswith(("drive", "cup")) and r["premise"].count(",") == 1
            or any(len(r[reading]["trends"].split()) > 1 for reading in READINGS)]
     counts = {reading: ", ".join(f"{name[0].upper()} {sum(name in r[reading]['trends'].split() for r in rows)}" for name in ("torque", "eccentricity", "w"))
               for reading in READINGS}

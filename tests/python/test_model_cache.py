@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import hdengine
+from conftest import ROOT
 
 BASE = {"mesh__divisions": 24, "mesh__band_facets": 4, "load__torque_steps": 1, "load__assembly_steps": 1}
 
@@ -42,6 +43,15 @@ def test_other_models_are_not_kept(tmp_path, keys):
     """Another mesh, section, material, support or method makes a new model."""
     solve(tmp_path / "a")
     assert not solve(tmp_path / "b", **keys)[1]
+
+
+def test_a_drive_that_has_turned_is_no_guess(tmp_path):
+    """After a run with loop.history = 'turned' the next one on its model begins at the assembly at rest: its
+    bodies moved off, or it came out otherwise by rounding."""
+    drive = {"path": ROOT / "data/drive14.nml", "mesh__band_facets": 3, "bearing__balls": 13, "loop__torques": 5.0, "output__vtu": "none", "run__band": False}
+    slopes = [solve(tmp_path / "a", **drive, loop__history=history)[0].k1 for history in ("turned", "assembled", "turned")]
+    hdengine.forget()
+    assert slopes[0] == slopes[2] and slopes[1] == solve(tmp_path / "b", **drive, loop__history="assembled")[0].k1
 
 
 GROWTH = """

@@ -240,6 +240,7 @@ contains
     if (solved) then
       if (run%scene%support%struts .and. .not. (step%loaded .or. place < assembled(run%scene))) then
         if (run%scene%turned()) then
+          call run%model%assembly%add(assembly_at(run%scene, place), step%torque, trial)  ! a guess is of the drive at rest
           call turn_once(run%model%drive, run%model%solver, options, load, trial, error)
           call run%record%timers%book(in_turn)
         end if

@@ -70,6 +70,21 @@ def test_flanks_that_just_touch_have_their_part(tmp_path):
         assert abs(gradient[name][key] - other[name]) * value / results[name] < 2e-3, name
 
 
+def test_a_flank_that_is_just_off_holds_nothing(tmp_path):
+    """Where the torque is 0 the second flank is 0.05 nm off: derivatives of the hysteresis are those of differences; it was taken to hold, and they
+    were 3 % off."""
+    keys = DRIVE | {"load.tooth_gaps": [3e-6, 1e-6, 6.001190887494975e-07, 2e-6, 4e-6, 7e-6, 3.5e-6, 1.5e-6, 1.7e-6, 2.3e-6, 4e-6, 7e-6],
+                    "load.tooth_phase": 0.2, "bearing.cage_angle_deg": 5.0, "loop.torques": [8.0, 0.0, -8.0, 0.0], "load.torque_steps": 1,
+                    "solver.tolerance": 1e-11, "run.band": False, "run.gradient": True}
+    found = hdengine.run(ROOT / "data/drive14.nml", tmp_path / "run", **keywords(keys))
+    rows = found.frame("teeth")
+    closing = rows[(rows["flank"] == 1) & (rows["torque_nm"] == 0)]["closing_m"].iloc[:12].nlargest(2).to_numpy()
+    assert abs(closing[0]) < 1e-13 and closing[1] == pytest.approx(-5e-11, abs=1e-11)
+    for key in ("contact.friction", "wave_generator.w"):
+        other = central(ROOT / "data/drive14.nml", keys, key, found.scene[key], 1e-5, tmp_path)
+        assert found.gradient()["hysteresis_rad"][key] == pytest.approx(other["hysteresis_rad"], rel=1e-4), key
+
+
 # a drive whose teeth are all open at a load step
 OPEN = {"mesh.divisions": 20, "mesh.band_facets": 3, "geometry.bore_radius": 0.039, "geometry.rim_length": 0.0201, "geometry.rim_thickness": 0.000949564,
         "geometry.cup_length": 0.058, "geometry.hub_radius": 0.023, "wave_generator.w": 0.001, "bearing.balls": 23, "bearing.ball_diameter": 0.0071,

@@ -33,10 +33,12 @@ contains
     type(ahead_t), intent(inout) :: ahead      !< what was counted in this load step
     real(dp), intent(inout) :: r(:, :)         !< out-of-balance forces (3, n), get their pull [N]
     real(dp), parameter :: near = 1e-6_dp, just_off = 1e-9_dp  !< of struts that close together, of one that has just parted [m]
+    real(dp), parameter :: rounded = 1e-12_dp  !< of one that rounding has parted in equilibrium [m]
     real(dp), parameter :: unfelt = 1e-6_dp    !< share of a strut's force at `just_off` that is no torque
     real(dp), allocatable :: closing(:)
     logical, allocatable :: linear(:), pushes(:)
     logical :: parted
+    real(dp) :: off
     integer :: i
     if (.not. (allocated(problem%struts) .and. problem%wheel_turns)) return
     closing = strut_closings(problem, load, u)
@@ -45,13 +47,14 @@ contains
     if (.not. any(linear)) return
     ahead%held = ahead%held .or. (ahead%some .and. sticks .and. .not. any(linear .and. closing > -just_off))
     ahead%some = .false.
-    parted = any(linear .and. closing > -just_off) .and. &
+    off = merge(rounded, just_off, ahead%at_rest)
+    parted = any(linear .and. closing > -off) .and. &
       .not. abs(sum(load%force(2, problem%wheel))) > unfelt*just_off*maxval(problem%struts%rate, mask=linear)
     pushes = linear .and. problem%strut_rate > 0
-    if (ahead%at_rest .and. parted) pushes = pushes .and. closing > just_off
+    if (ahead%at_rest .and. parted) pushes = pushes .and. closing > off
     if (ahead%held .or. any(pushes)) return
     do i = 1, size(closing)
-      linear(i) = linear(i) .and. merge(closing(i) > -just_off, &
+      linear(i) = linear(i) .and. merge(closing(i) > -off, &
         sum(problem%struts(i)%weight(2, :))*sum(r(2, problem%wheel)) < 0, parted)
     end do
     linear = linear .and. closing >= maxval(closing, mask=linear) - near

@@ -157,7 +157,7 @@ contains
     complex(dp), intent(in) :: turn        !< exp(i pi p/h)
     real(dp), intent(out) :: share(2)      !< between the boundaries, at the upper one
     real(dp), intent(out) :: share_by_p(2) !< with V_p [1/Pa]
-    real(dp) :: s, below, above, density(2), fall, ratio, square, wave
+    real(dp) :: s, below, above, image, density(2), fall, ratio, square, wave
     real(dp) :: sums(4)  ! of even and odd n, then their derivatives times h
     complex(dp) :: turned  ! cos + i sin of n times the phase of one wave
     integer :: i, n
@@ -168,8 +168,9 @@ contains
       share = [erf(below), 0._dp]
       density = [slope_of_erf*s*exp(-below**2)*(1 - below*v_by_p*s), 0._dp]
       if (above < far) then
-        share(2) = erfc(above)
-        density(2) = slope_of_erf*s*exp(-above**2)*(1 + above*v_by_p*s)
+        image = (h + p)*s  ! what parts before it yields comes back from -p
+        share(2) = erfc(above) - erfc(image)
+        density(2) = slope_of_erf*s*(exp(-above**2)*(1 + above*v_by_p*s) + exp(-image**2)*(1 - image*v_by_p*s))
         share(1) = max(share(1) - share(2), 0._dp)
       end if
       share_by_p = [density(1) - density(2), density(2)]

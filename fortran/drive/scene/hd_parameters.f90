@@ -204,7 +204,7 @@ contains
     call add_real(t, 'load', 'spline_diameter', 'model', s%spline_diameter, 'm', 0._dp, big, &
       'outer diameter of the circular spline; 0: 1.4 times that of the bore, as catalogues have it (1.35 to 1.43)', closed=.true.)
     call add_real(t, 'load', 'tooth_phase', 'assembly', s%tooth_phase, '', -0.5_dp, 0.5_dp, &
-      'shift of the tooth pairs round the axis, in pitches; 0: they lie symmetric about the long axis', closed=.true.)
+      'shift of the tooth pairs round the axis, in pitches; at 0 they lie symmetric about the long axis', closed=.true.)
     call add_real(t, 'load', 'torque', 'load', s%torque, 'N m', -big, big, 'torque at the end of the torque step', closed=.true.)
     call add_real(t, 'load', 'support_stiffness', 'model', s%support_stiffness, 'N/m', 0._dp, big, &
       'soft springs that hold the hub of a bearing support in its plane, and a free ring tangentially')

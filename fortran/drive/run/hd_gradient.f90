@@ -151,7 +151,8 @@ contains
     allocate (self%result(size(found%results)))
     allocate (self%value(self%keys, size(found%results)), self%by_turn(self%n, size(found%results)), source=0._dp)
     images = solver%most_images
-    if (scene%formed()) solver%most_images = 1  ! GMRES around round bodies does not say which it uses
+    if (scene%formed() .or. scene%eccentricity > 0) solver%most_images = 1  ! GMRES around round bodies does not say which it uses,
+                                                                            ! and an eccentric cam's angle breaks any symmetry
     do i = 1, size(self%result)
       associate (r => self%result(i), points => drive%problem%mortar%n)
         allocate (r%later(2, points), r%by_t(3, points), r%held(3, points), r%by_u(3, drive%problem%n), r%touch(drive%flanks), &
@@ -543,7 +544,8 @@ contains
     end do
   end subroutine sum_forces
 
-  !> Derivatives of the law's residuals by the tractions before: shear leads, and a joint's grows from there.
+  !> Derivatives of the law's residuals by the tractions before: shear leads, and a joint's grows from there, by what was left to
+  !> the bound of the pressure before.
   subroutine by_history(problem, load, before, state, r_c, slope)
     type(problem_t), intent(in) :: problem         !< problem
     type(load_t), intent(in) :: load               !< of the step
@@ -555,11 +557,12 @@ contains
     real(dp), allocatable :: r(:, :), dw(:, :, :), dt(:, :, :), step(:)
     integer :: c
     allocate (slope(3, size(r_c, 2), 3), source=0._dp)
-    step = share_of_state*norm2(before%traction(2:, :), 1)
-    if (.not. any(step > 0)) return
     moved%slip = before%slip
     moved%contact = before%contact
-    do c = 2, 3
+    do c = 1, 3
+      if (c == 1 .and. .not. allocated(problem%law%joint)) cycle
+      step = share_of_state*merge(abs(before%traction(1, :)), norm2(before%traction(2:, :), 1), c == 1)
+      if (.not. any(step > 0)) cycle
       moved%traction = before%traction
       moved%traction(c, :) = moved%traction(c, :) + step
       call linear_equations(problem, load, moved, state, r, dw, dt)

@@ -18,6 +18,7 @@ module hd_newton
   use hd_pairing, only: pairing_error
   use hd_strut_step, only: ahead_t, count_ahead
   use hd_system, only: check_stop
+  use hd_tabulated_law, only: stiffness_at_pressure
   use hd_vector, only: add, largest, length, many, part_lengths, weighted_length
   implicit none
   private
@@ -309,14 +310,31 @@ contains
     real(dp), allocatable, intent(out) :: r_c(:, :)        !< residuals of the law (3, multipliers) [Pa]
     real(dp), allocatable, intent(out) :: dw(:, :, :), dt(:, :, :)  !< its derivatives
     type(linearisation_t) :: here
+    integer :: j
     call begin_linearisation(problem, load, previous, here)
-    where (spread(state%contact == stick_state, 1, 2)) here%lead = 0
     call gap_and_slip(problem, load, previous, state)
+    do j = 1, size(state%contact)
+      if (state%contact(j) == stick_state .and. .not. creeps(problem%law, previous%traction(:, j), state%traction(:, j), &
+        state%slip(:, j) - previous%slip(:, j))) here%lead(:, j) = 0
+    end do
     call apply_law(problem, previous, state, here)
     call move_alloc(here%r_c, r_c)
     call move_alloc(here%dw, dw)
     call move_alloc(here%dt, dt)
   end subroutine linear_equations
+
+  !> A point that sticks slips a little all the same: asperities of a rough joint give way, beyond what they do elastically.
+  pure logical function creeps(law, before, traction, slip)
+    type(contact_law_t), intent(in) :: law              !< law
+    real(dp), intent(in) :: before(3), traction(3)      !< at the beginning and end of the load step [Pa]
+    real(dp), intent(in) :: slip(2)                     !< in it [m]
+    real(dp), parameter :: least = 1e-4_dp              !< of the elastic slip: more than keys are changed by
+    real(dp) :: k, slope
+    creeps = .false.
+    if (.not. allocated(law%joint) .or. .not. traction(1) > 0) return
+    call stiffness_at_pressure(law%joint, traction(1), k, slope)
+    creeps = norm2(k*slip + traction(2:) - before(2:)) > least*norm2(traction(2:))
+  end function creeps
 
   !> Decide on the law of the next iteration: harden a softened one that is solved, soften where the iteration cycles or stalls.
   subroutine globalise(problem, load, previous, iteration, state, here, global, period)

@@ -419,9 +419,9 @@ class Result:
         Returns
         -------
         dict of dict
-            result: {'group.key': derivative}, in SI units; by a list of numbers where all change alike. NaN: no such result, or
-            one that would not be in proportion to all forces and stiffnesses, for a change of state has spoilt its derivatives: it
-            is named in the warnings of the summary.
+            result: {'group.key': derivative}, in SI units; by a list of numbers where all change alike. NaN: no such result;
+            stress and edge load by the eccentricity of a centred cam; one that would not be in proportion to all forces and
+            stiffnesses, for a change of state has spoilt its derivatives: it is named in the warnings of the summary.
 
         Raises
         ------

@@ -105,6 +105,15 @@ def test_a_free_bottom_has_a_gradient(tmp_path):
         assert found.gradient()["k1_nm_per_rad"][key] == pytest.approx(other["k1_nm_per_rad"], rel=5e-4), key
 
 
+def test_a_centred_cam_has_no_derivative_of_a_largest_value(tmp_path):
+    """Of equal largest stresses and edge loads on both lobes one grows with an eccentricity in any sense: there is none by it, where 0 was said; an
+    eccentric cam has one."""
+    for eccentricity in (0.0, 1e-6):
+        found = hdengine.run(ROOT / "data/cd14.nml", tmp_path / "run", True, run__gradient=True, **keywords(HUB | {"wave_generator.eccentricity": eccentricity}))
+        by = [found.gradient()[name]["wave_generator.eccentricity"] for name in ("von_mises_max_pa", "edge_line_load_n_per_m", "normal_force_n")]
+        assert (np.isnan(by) == [eccentricity == 0] * 2 + [False]).all()
+
+
 def test_hat_has_a_gradient(tmp_path):
     """The bore follows from the cup's sections, so that the key of its radius is not free; all sections move together."""
     found = hdengine.run(ROOT / "data/drive14_hat.nml", tmp_path / "run", run__gradient=True, mesh={"divisions": 24, "band_facets": 4},

@@ -237,10 +237,10 @@ contains
     call note_iterations(run, history)
     run%step%iterations = run%step%iterations + taken
     run%easy = taken < few_iterations
-    if (solved) then
+    if (solved) then  ! a guess is of the drive before it has turned
+      if (run%keeps_all .or. .not. step%loaded) call run%model%assembly%add(assembly_at(run%scene, place), step%torque, trial)
       if (run%scene%support%struts .and. .not. (step%loaded .or. place < assembled(run%scene))) then
         if (run%scene%turned()) then
-          call run%model%assembly%add(assembly_at(run%scene, place), step%torque, trial)  ! a guess is of the drive at rest
           call turn_once(run%model%drive, run%model%solver, options, load, trial, error)
           call run%record%timers%book(in_turn)
         end if
@@ -255,7 +255,6 @@ contains
       call move_state(trial, run%state)
       run%place_before = run%place
       run%place = place
-      if (run%keeps_all .or. .not. step%loaded) call run%model%assembly%add(assembly_at(run%scene, place), step%torque, run%state)
       run%tally%symmetry(merge(2, 1, step%loaded)) = run%model%solver%symmetry_used
       call place_step(run%scene, place, run%step)
       if (allocated(run%gradient)) call run%gradient%follow(place, run%before, run%state)

@@ -344,8 +344,8 @@ def test_usage(exe, args, expected):
     (["load.support=bearing", "contact.mode=frictionless"], "contact.mode = 'frictionless'", "'frictional'"),
     (["contact.law=joint", "contact.mode=bonded"], "contact.law = 'joint'", "'hard'"),
     (["run.tolerance=1e-4"], "run.tolerance = 1.0e-4", "0.0066"),
-    (["load.support=drive", "wave_generator.cam=cosine", "wave_generator.lobes=3"], "wave_generator.lobes = 3.0", "2 with teeth"),
-    (["load.torque_load=teeth", "wave_generator.cam=cosine", "wave_generator.lobes=4"], "wave_generator.lobes = 4.0", "2 with teeth"),
+    (["load.support=drive", "wave_generator.cam=cosine", "wave_generator.lobes=3"], "wave_generator.lobes = 3", "2 with teeth"),
+    (["load.torque_load=teeth", "wave_generator.cam=cosine", "wave_generator.lobes=4"], "wave_generator.lobes = 4", "2 with teeth"),
     (["load.torque_load=teeth", "load.tooth_phase=0.3"], "load.tooth_phase = 0.3", "0, but with load.support = 'drive' or 'teeth'"),
 ])
 def test_choices_that_do_not_fit_are_named(exe, tmp_path, keys, named, way_out):

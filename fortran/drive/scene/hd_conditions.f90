@@ -176,9 +176,17 @@ contains
     character(len=:), allocatable :: bound
     if (condition) return
     bound = ''
-    if (present(limit)) bound = ' ('//to_text(limit)//')'
-    call push(faults, 'error: '//name//' = '//to_text(value)//nl//'      valid: '//rule//bound)
+    if (present(limit)) bound = ' ('//plain(limit)//')'
+    call push(faults, 'error: '//name//' = '//plain(value)//nl//'      valid: '//rule//bound)
   end subroutine need
+
+  !> A number as one writes it: counts without a point.
+  pure function plain(x) result(text)
+    real(dp), intent(in) :: x  !< number
+    character(len=:), allocatable :: text
+    text = to_text(x)
+    if (index(text, '.0', back=.true.) == len(text) - 1) text = text(:len(text) - 2)
+  end function plain
 
   !> A choice that does not go with another key.
   subroutine ask(faults, condition, name, choice, rule)

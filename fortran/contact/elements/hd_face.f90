@@ -25,14 +25,14 @@ contains
   end function shape_corner
 
   !> Shape functions of a facet of 4 (bilinear) or 8 (serendipity) nodes.
-  pure function shape_facet(nodes, xi) result(n)
-    integer, intent(in) :: nodes   !< 4 or 8
-    real(dp), intent(in) :: xi(2)  !< natural coordinates
-    real(dp) :: n(nodes)
+  pure subroutine shape_facet(nodes, xi, n)
+    integer, intent(in) :: nodes       !< 4 or 8
+    real(dp), intent(in) :: xi(2)      !< natural coordinates
+    real(dp), intent(out) :: n(nodes)  !< shape functions
     n(:4) = shape_corner(xi)
     if (nodes == 4) return
     n(:4) = n(:4)*(xi(1)*corner(1, :) + xi(2)*corner(2, :) - 1)
     n(5:7:2) = (1 - xi(1)**2)*(1 + xi(2)*[-1, 1])/2
     n(6:8:2) = (1 - xi(2)**2)*(1 + xi(1)*[1, -1])/2
-  end function shape_facet
+  end subroutine shape_facet
 end module hd_face

@@ -19,11 +19,12 @@ TARGET static inline void NAME(turn_nodes)(int nodes, int l, const double *restr
 /* Their gradient at a point. */
 TARGET static inline void NAME(find_gradient)(int nodes, const double *restrict g, const LANES *restrict v, LANES h[3][3])
 {
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) h[i][j] = (LANES){0};
+  LANES sum[3][3] = {{{0}}}; /* in registers */
   for (int a = 0; a < nodes; a++)
     for (int j = 0; j < 3; j++)
-      for (int i = 0; i < 3; i++) h[i][j] += g[j * nodes + a] * v[3 * a + i];
+      for (int i = 0; i < 3; i++) sum[i][j] += g[j * nodes + a] * v[3 * a + i];
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) h[i][j] = sum[i][j];
 }
 
 /* Weighted stresses at all points of strains there. */
@@ -37,13 +38,20 @@ TARGET static inline void NAME(find_stress)(int modes, double lambda, double mu,
       s[6 * p + 3 + i] = weight[p] * (mu * e[6 * p + 3 + i]);
     }
   }
-  for (int m = 0; m < modes; m++) {
-    const double *const a = eased + 48 * m;
-    LANES part[4] = {{0}}; /* one sum would wait for itself */
+  LANES amount[9];
+  for (int m = 0; m < modes; m += 3) { /* three modes read e once; one sum each would wait for itself */
+    LANES part[3][4] = {{{0}}};
     for (int i = 0; i < 48; i += 4)
-      for (int q = 0; q < 4; q++) part[q] += a[i + q] * e[i + q];
-    const LANES amount = (part[0] + part[1]) + (part[2] + part[3]);
-    for (int i = 0; i < 48; i++) s[i] -= a[i] * amount;
+      for (int q = 0; q < 4; q++)
+        for (int n = 0; n < 3; n++) part[n][q] += eased[48 * (m + n) + i + q] * e[i + q];
+    for (int n = 0; n < 3; n++) amount[m + n] = (part[n][0] + part[n][1]) + (part[n][2] + part[n][3]);
+  }
+  for (int i = 0; i < 48; i += 8) {
+    LANES left[8];
+    for (int q = 0; q < 8; q++) left[q] = s[i + q];
+    for (int m = 0; m < modes; m++)
+      for (int q = 0; q < 8; q++) left[q] -= eased[48 * m + i + q] * amount[m];
+    for (int q = 0; q < 8; q++) s[i + q] = left[q];
   }
 }
 

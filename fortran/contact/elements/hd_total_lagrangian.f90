@@ -144,7 +144,7 @@ contains
     real(dp), intent(in) :: u(:, :)                       !< displacements (3, nodes) [m]
     real(dp) :: turn(3, 3, size(u, 2))
     real(dp), dimension(nodes_per_element(body%kind), 3) :: mean
-    real(dp) :: weight(size(u, 2)), h(3, 3), f(3, 3), whole
+    real(dp) :: weight(size(u, 2)), h(3, 3), f(3, 3), v(3), whole
     integer :: a, c, i, s, list(size(body%cells, 1))
     turn = 0
     weight = 0
@@ -158,7 +158,10 @@ contains
           list = cell_nodes(body, c, s)
           h = 0
           do a = 1, size(list)
-            h = h + spread(about_z(cell%turn(:, a), u(:, list(a))), 2, 3)*spread(mean(a, :), 1, 3)
+            v = about_z(cell%turn(:, a), u(:, list(a)))
+            do i = 1, 3
+              h(:, i) = h(:, i) + v*mean(a, i)
+            end do
           end do
           do a = 1, size(list)
             associate (back => cell%turn(:, a)*[1, -1])

@@ -61,7 +61,7 @@ contains
     integer, allocatable :: row(:), col(:)
     real(dp), allocatable :: val(:)
     real(dp) :: dual(4, 4), phi(4), near(8, 4), far(8, 4)
-    integer :: at, away, f, k, n, near_nodes, far_nodes, p, period, nnz
+    integer :: at, away, f, k, n, p, period, nnz
     call number_multipliers(slave, mortar)
     moved = slave
     if (present(shift)) moved%chart = slave%chart + reshape(shift(:, [mortar%facet]), shape(slave%chart))
@@ -69,8 +69,6 @@ contains
     allocate (mortar%share(4, size(slave%nodes, 2)), source=0._dp)
     n = 48*size(slave%nodes, 2)  ! where facets meet two others
     allocate (row(n), col(n), val(n))
-    near_nodes = size(slave%nodes, 1)
-    far_nodes = size(master%nodes, 1)
     nnz = 0
     period = size(slave%nodes, 2)
     if (present(sectors)) then
@@ -91,8 +89,10 @@ contains
         phi = matmul(dual, points(p)%corner)*points(p)%weight
         mortar%share(:, f) = mortar%share(:, f) + phi
         do k = 1, 4
-          near(:near_nodes, k) = near(:near_nodes, k) - phi(k)*points(p)%slave(:near_nodes)
-          far(:far_nodes, k) = far(:far_nodes, k) + phi(k)*points(p)%master(:far_nodes)
+          near(:4, k) = near(:4, k) - phi(k)*points(p)%slave(:4)  ! lengths that are known make vectors
+          far(:4, k) = far(:4, k) + phi(k)*points(p)%master(:4)
+          if (size(slave%nodes, 1) > 4) near(5:, k) = near(5:, k) - phi(k)*points(p)%slave(5:)
+          if (size(master%nodes, 1) > 4) far(5:, k) = far(5:, k) + phi(k)*points(p)%master(5:)
         end do
         if (p < n) then
           if (points(p + 1)%facet == points(p)%facet) cycle

@@ -251,12 +251,12 @@ contains
       points(p)%facet = facet
       points(p)%corner = corner(p, :)
       points(p)%slave(:4) = corner(p, :)
-      if (nodes_a > 4) points(p)%slave = shape_facet(8, xi(p, :))
+      if (nodes_a > 4) call shape_facet(8, xi(p, :), points(p)%slave)
     end do
     call locate(b, n, x, last, xi, corner)
     do p = 1, n
       points(p)%master(:4) = corner(p, :)
-      if (nodes_b > 4) points(p)%master = shape_facet(8, xi(p, :))
+      if (nodes_b > 4) call shape_facet(8, xi(p, :), points(p)%master)
     end do
   end subroutine enter
 

@@ -40,8 +40,7 @@ contains
     type(strut_t), intent(inout) :: strut          !< gets node, weight
     real(dp), intent(out) :: shift                 !< [m]
     real(dp), intent(in), optional :: u(:, :)      !< displacements (3, nodes of all bodies), if they may be large [m]
-    real(dp) :: theta, z, xi(2), g(2), v(2), n(size(self%face%nodes, 1))
-    real(dp) :: turn
+    real(dp) :: theta, z, xi(2), g(2), v(2), n(8), turn
     integer :: j, k, l, a, f
     shift = 0
     turn = 0
@@ -58,15 +57,15 @@ contains
         else
           call find_facet(self, theta, z, f, xi)
         end if
-        n = shape_facet(size(n), xi)/samples**2
-        do k = 1, size(n)
+        call shape_facet(size(self%face%nodes, 1), xi, n)
+        do k = 1, size(self%face%nodes, 1)
           a = findloc(strut%node, self%first + self%face%nodes(k, f), 1)
           if (a == 0) then
             strut%node = [strut%node, self%first + self%face%nodes(k, f)]
             a = size(strut%node)
             strut%weight = reshape([strut%weight, 0._dp, 0._dp, 0._dp], [3, a])
           end if
-          strut%weight(:2, a) = strut%weight(:2, a) - n(k)*g
+          strut%weight(:2, a) = strut%weight(:2, a) - n(k)/samples**2*g
         end do
       end do
     end do
@@ -113,11 +112,11 @@ contains
     !> Displacement at a place of the facet.
     pure function mean(at) result(w)
       real(dp), intent(in) :: at(2)  !< place
-      real(dp) :: w(2), n(size(patch%face%nodes, 1))
+      real(dp) :: w(2), n(8)
       integer :: k
-      n = shape_facet(size(n), at)
+      call shape_facet(size(patch%face%nodes, 1), at, n)
       w = 0
-      do k = 1, size(n)
+      do k = 1, size(patch%face%nodes, 1)
         w = w + n(k)*u(:2, patch%first + patch%face%nodes(k, facet))
       end do
     end function mean

@@ -82,7 +82,7 @@ contains
     real(dp), intent(in) :: place        !< meridian, in sectors from theta = 0
     real(dp), intent(in) :: amount       !< factor
     real(dp), intent(inout) :: weight(:) !< of the body's nodes; their sum grows by amount times the length of the rim [m]
-    real(dp) :: z(2), part, xi(2)
+    real(dp) :: z(2), part, xi(2), n(8)
     integer :: sector, rows, f, g
     rows = size(face%nodes, 2)/body%sectors
     sector = floor(place + 1e-9_dp)
@@ -93,7 +93,8 @@ contains
       do g = 1, 2
         xi(2) = part*(1 + gauss(g)) - 1
         associate (list => face%nodes(:, f))
-          weight(list) = weight(list) + amount*shape_facet(size(list), xi)*part*(z(2) - z(1))/2
+          call shape_facet(size(list), xi, n)
+          weight(list) = weight(list) + amount*n(:size(list))*part*(z(2) - z(1))/2
         end associate
       end do
     end do

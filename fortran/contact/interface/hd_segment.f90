@@ -25,6 +25,8 @@ module hd_segment
     real(dp), allocatable :: sum(:)                 !< of the first coordinates of its corners [m]
   end type bins_t
 
+  integer, parameter :: corners = 16          !< of an overlap at most, by far,
+  integer, parameter :: most = 64*corners     !< and integration points on it
   real(dp), parameter :: sliver = 1e-14_dp    !< area over the square of a facet's diagonal that rounding alone makes
   real(dp), parameter :: settled = 1e-14_dp   !< change of natural coordinates that is rounding,
   real(dp), parameter :: nearly = 1e-8_dp     !< and one after which the next is rounding
@@ -87,7 +89,7 @@ contains
     logical, intent(in) :: moved                          !< faces are paired anew, which is done often: few points suffice
     type(point_t), allocatable, intent(inout) :: points(:)  !< room for integration points, may grow
     integer, intent(out) :: found                         !< integration points
-    real(dp) :: a(2, 4), b(2, 4), low(2), high(2), middle, polygon(2, 16), shift
+    real(dp) :: a(2, 4), b(2, 4), low(2), high(2), middle, polygon(2, corners), shift
     integer :: g, i, k, n, lowest, highest, m
     a = slave%chart(:, :, f)
     low = minval(a, 2)
@@ -122,9 +124,9 @@ contains
   pure subroutine clip(subject, window, polygon, n)
     real(dp), intent(in) :: subject(2, 4)      !< polygon to cut
     real(dp), intent(in) :: window(2, 4)       !< cutting polygon
-    real(dp), intent(out) :: polygon(2, 16)    !< intersection
+    real(dp), intent(out) :: polygon(2, corners)    !< intersection
     integer, intent(out) :: n                  !< its corners
-    real(dp) :: old(2, 16), p(2), q(2), normal(2), dp1, dp2
+    real(dp) :: old(2, corners), p(2), q(2), normal(2), dp1, dp2
     integer :: e, i, m
     polygon = 0
     polygon(:, :4) = subject
@@ -161,7 +163,7 @@ contains
     logical, intent(in) :: moved              !< few points suffice
     type(point_t), allocatable, intent(inout) :: points(:)  !< may grow
     integer, intent(inout) :: found           !< points so far
-    real(dp) :: x(64*size(polygon, 2), 2), w(64*size(polygon, 2))
+    real(dp) :: x(most, 2), w(most)
     type(point_t), allocatable :: more(:)
     integer :: n
     logical :: even
@@ -178,7 +180,7 @@ contains
       more(:found) = points(:found)
       call move_alloc(more, points)
     end if
-    call enter(n, x(:n, :), w(:n), a, b, nodes_a, nodes_b, facet, merge(nearly, settled, moved), points(found + 1:found + n))
+    call enter(n, x, w, a, b, nodes_a, nodes_b, facet, merge(nearly, settled, moved), points(found + 1:found + n))
     found = found + n
   end subroutine add_points
 
@@ -237,13 +239,13 @@ contains
   !> Shape functions of points in both facets.
   pure subroutine enter(n, x, w, a, b, nodes_a, nodes_b, facet, last, points)
     integer, intent(in) :: n                  !< points
-    real(dp), intent(in) :: x(n, 2), w(n)     !< their places [m], weights [m^2]
+    real(dp), intent(in) :: x(most, 2), w(n)  !< their places [m], weights [m^2]
     real(dp), intent(in) :: a(2, 4), b(2, 4)  !< corners of the slave and master facet [m]
     integer, intent(in) :: nodes_a, nodes_b   !< their numbers of nodes
     integer, intent(in) :: facet              !< master facet
     real(dp), intent(in) :: last              !< change of natural coordinates after which they stay
     type(point_t), intent(inout) :: points(n) !< filled
-    real(dp) :: xi(n, 2), corner(n, 4)
+    real(dp) :: xi(most, 2), corner(most, 4)
     integer :: p
     call locate(a, n, x, last, xi, corner)
     do p = 1, n
@@ -272,26 +274,26 @@ contains
   pure subroutine locate(c, n, x, last, xi, shape)
     real(dp), intent(in) :: c(2, 4)        !< corners [m]
     integer, intent(in) :: n               !< points
-    real(dp), intent(in) :: x(n, 2)        !< points [m]
+    real(dp), intent(in) :: x(most, 2)     !< points [m]
     real(dp), intent(in) :: last           !< change of natural coordinates after which they stay
-    real(dp), intent(out) :: xi(n, 2)      !< natural coordinates
-    real(dp), intent(out) :: shape(n, 4)   !< of shape_corner
+    real(dp), intent(inout) :: xi(most, 2)      !< gets natural coordinates
+    real(dp), intent(inout) :: shape(most, 4)   !< and those of shape_corner
     real(dp), dimension(2) :: along, back, up, down   !< sides
-    real(dp), dimension(n) :: s, t, move
+    real(dp), dimension(most) :: s, t, move
     real(dp) :: r1, r2, u1, u2, v1, v2, det, step1, step2
     integer :: i, p
     along = c(:, 2) - c(:, 1)
     back = c(:, 3) - c(:, 4)
     up = c(:, 4) - c(:, 1)
     down = c(:, 3) - c(:, 2)
-    s = 0
-    t = 0
-    move = 1
+    s(:n) = 0
+    t(:n) = 0
+    move(:n) = 1
     do i = 1, 25
-      shape(:, 1) = (1 - s)*(1 - t)/4
-      shape(:, 2) = (1 + s)*(1 - t)/4
-      shape(:, 3) = (1 + s)*(1 + t)/4
-      shape(:, 4) = (1 - s)*(1 + t)/4
+      shape(:n, 1) = (1 - s(:n))*(1 - t(:n))/4
+      shape(:n, 2) = (1 + s(:n))*(1 - t(:n))/4
+      shape(:n, 3) = (1 + s(:n))*(1 + t(:n))/4
+      shape(:n, 4) = (1 - s(:n))*(1 + t(:n))/4
       do p = 1, n
         r1 = x(p, 1) - (((c(1, 1)*shape(p, 1) + c(1, 2)*shape(p, 2)) + c(1, 3)*shape(p, 3)) + c(1, 4)*shape(p, 4))
         r2 = x(p, 2) - (((c(2, 1)*shape(p, 1) + c(2, 2)*shape(p, 2)) + c(2, 3)*shape(p, 3)) + c(2, 4)*shape(p, 4))
@@ -306,13 +308,13 @@ contains
         t(p) = t(p) + move(p)*step2
         move(p) = merge(0._dp, move(p), max(abs(step1), abs(step2)) < last)
       end do
-      if (.not. any(move > 0)) exit
+      if (.not. any(move(:n) > 0)) exit
     end do
-    xi(:, 1) = s
-    xi(:, 2) = t
-    shape(:, 1) = (1 - s)*(1 - t)/4
-    shape(:, 2) = (1 + s)*(1 - t)/4
-    shape(:, 3) = (1 + s)*(1 + t)/4
-    shape(:, 4) = (1 - s)*(1 + t)/4
+    xi(:n, 1) = s(:n)
+    xi(:n, 2) = t(:n)
+    shape(:n, 1) = (1 - s(:n))*(1 - t(:n))/4
+    shape(:n, 2) = (1 + s(:n))*(1 - t(:n))/4
+    shape(:n, 3) = (1 + s(:n))*(1 + t(:n))/4
+    shape(:n, 4) = (1 - s(:n))*(1 + t(:n))/4
   end subroutine locate
 end module hd_segment

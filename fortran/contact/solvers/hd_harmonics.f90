@@ -228,8 +228,10 @@ contains
     !$omp do schedule(static)
     do a = 1, single
       do d = 1, 3
-        u(d, a::m, 1) = 0
-        if (harmonics%equation(d, a) == 0) cycle
+        if (harmonics%equation(d, a) == 0) then
+          u(d, a::m, 1) = 0
+          cycle
+        end if
         spectrum = wave(3*a - 3 + d, :, 1)
         call execute_backward_real(other, spectrum, line)
         u(d, a:n*m:m, 1) = line

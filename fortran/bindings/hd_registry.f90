@@ -14,7 +14,7 @@ module hd_registry
   integer, parameter :: capacity = 64   !< runs open at the same time
   type :: run_slot_t
     integer :: handle = 0
-    type(run_t), allocatable :: run
+    type(run_t), pointer :: run => null()  ! one that is allocatable takes seconds to compile: its copy and end are written out
   end type run_slot_t
   type(run_slot_t), save, target :: slots(capacity)
   integer, save :: latest = 0           !< handle given last
@@ -32,7 +32,7 @@ contains
     integer :: i
     nullify (run)
     do i = 1, capacity
-      if (allocated(slots(i)%run)) cycle
+      if (associated(slots(i)%run)) cycle
       latest = latest + 1
       handle = latest
       slots(i)%handle = handle
@@ -54,7 +54,7 @@ contains
     nullify (run)
     i = findloc(slots%handle, handle, 1)
     if (i > 0) then
-      if (allocated(slots(i)%run)) run => slots(i)%run
+      if (associated(slots(i)%run)) run => slots(i)%run
     end if
     if (.not. associated(run)) call raise(error, code_input, 'this run is closed (handle '//to_text(handle)//')')
   end subroutine find_run
@@ -65,7 +65,7 @@ contains
     integer :: i
     i = findloc(slots%handle, handle, 1)
     if (i == 0) return
-    if (.not. allocated(slots(i)%run)) return
+    if (.not. associated(slots(i)%run)) return
     call leave_model(slots(i)%run, last_model)
     deallocate (slots(i)%run)
   end subroutine drop_run
@@ -94,7 +94,7 @@ contains
     integer :: i
     do i = 1, capacity
       call drop_lock(i)
-      if (allocated(slots(i)%run)) call slots(i)%run%lock%give()
+      if (associated(slots(i)%run)) call slots(i)%run%lock%give()
     end do
   end subroutine leave_locks
 

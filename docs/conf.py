@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The site: Sphinx reads the Markdown pages with MyST and the Python package by its docstrings (numpydoc), FORD the Fortran modules. Built by `./hd docs`."""
+import functools
 import importlib
 import logging
 import os
@@ -11,6 +12,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from docutils import nodes
+from numpydoc import docscrape_sphinx
 from sphinx.ext import autosummary
 from sphinx.util.logging import getLogger
 
@@ -27,6 +29,8 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "nu
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 numpydoc_show_class_members = False
+for name in ("BuiltinTemplateLoader", "SandboxedEnvironment"):  # one of each: numpydoc compiles its templates anew for each of 700 docstrings
+    setattr(docscrape_sphinx, name, functools.cache(getattr(docscrape_sphinx, name)))
 autosummary_generate = True
 autosummary.WELL_KNOWN_ABBREVIATIONS += ("Eq.",)  # a summary does not end there
 autodoc_typehints = "none"
@@ -50,7 +54,8 @@ def fortran_pages(app, failure):
     """FORD's pages of the Fortran modules, in the folder fortran of the site; its warnings are the site's."""
     if failure:
         return
-    done = subprocess.run([sys.executable, "-m", "ford", HERE.parent / "config/ford.md", "--output_dir", Path(app.outdir) / "fortran"],
+    quick = "import ford, ford.sourceform; ford.sourceform.highlight = lambda *_: None; ford.run()"  # no page shows the sources that it colours
+    done = subprocess.run([sys.executable, "-c", quick, HERE.parent / "config/ford.md", "--output_dir", Path(app.outdir) / "fortran"],
                           capture_output=True, text=True, env=os.environ | {"PYTHONPATH": str(HERE.parent / "tools")})
     said = (done.stdout + done.stderr).splitlines()
     for line in said if done.returncode else [line for line in said if "Warning" in line]:

@@ -16,7 +16,7 @@ import hdengine
 
 data = next(d for d in (Path("data"), Path("../data")) if d.is_dir())  # of a checkout of hdengine
 out = Path(mkdtemp())
-COARSE = {"mesh.divisions": 24, "mesh.band_facets": 4}
+COARSE = {"mesh.divisions": 24, "mesh.band_facets": 4, "run.band": False}
 
 run = hdengine.run(data / "drive14.nml", out / "drive", True, **COARSE, loop__torques=[14], load__torque_steps=4)
 points = run.fatigue

@@ -208,7 +208,7 @@ def test_closed_and_full_streams(exe, tmp_path):
     run = [exe, CD14, *WORDS, "--out", "r", "--force"]
     assert run_in(tmp_path, run).returncode == 0
     whole = (tmp_path / "r/contact.csv").read_bytes()
-    for words in (run, [*FILL, *run[1:]], [*FILL, "record", ROOT / "data/torque_record.csv", "--out", "q", "--force"]):
+    for words in (run, [*FILL, *run[1:]], [*FILL, "completion", "bash"]):
         words = [*words[:3], "run", *words[3:]] if words[3:4] == [CD14] else words
         for closed in ((1,), (2,), (0, 1, 2))[2 * (words is not run):]:
             done = run_in(tmp_path, words, preexec_fn=lambda: [os.close(file) for file in closed])

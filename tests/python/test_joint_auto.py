@@ -130,7 +130,7 @@ def test_chosen_model_is_run_as_if_it_were_named(exe, tmp_path, table):
 
 def test_planned_scene(exe, tmp_path, table):
     """With a tolerance the reason stands in --plan and among the reasons of the plan, and the plan is that of the model named."""
-    keys = ["run.tolerance=0.3", "solver.kinematics=linear", "joint.model=auto", *FEW, table]
+    keys = ["run.tolerance=0.3", "solver.kinematics=linear", "geometry.bore_radius=9e-3", "geometry.hub_radius=4e-3", "joint.model=auto", *FEW, table]
     plan = call(exe, CD14, *keys, "--plan")
     assert plan.returncode == 0 and "\njoint boundary_elements: k_N by theory lies within" in "\n" + plan.stdout
     found = solved(exe, tmp_path / "o", CD14, *keys, "output.vtu=none").summary

@@ -148,7 +148,7 @@ def test_range_warnings_come_once_per_process(recwarn):
 
 def test_model_error_stands_beside_the_tolerance(tmp_path):
     """summary.json says what the tolerance covers and what the model leaves out, with sizes where they are known."""
-    plan = hdengine.run(CD14, tmp_path / "a", True, run__tolerance=0.3)
+    plan = hdengine.run(CD14, tmp_path / "a", True, run__tolerance=0.3, solver__kinematics="linear", geometry={"bore_radius": 9e-3, "hub_radius": 4e-3})
     left_out = plan.summary["model_error"]
     assert "k_ts_bonded_nm_per_rad" in left_out["tolerance_covers"] and len(left_out["left_out"]) >= 5
     assert any("read" in line or "slip" in line for line in left_out["left_out"])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the engine takes, in instructions: a loss of 1.3 in any of a dozen small runs fails.
+"""What the engine takes, in instructions: a loss of 1.3 in any of eleven small runs fails.
 
 valgrind's cachegrind counts the instructions. The count is the same on a busy and on an idle machine; it says nothing of memory traffic, of
 waiting and of threads. valgrind shows the engine a processor without AVX-512, and OPENBLAS_CORETYPE pins BLAS to AVX2, so that
@@ -25,12 +25,11 @@ SMALL = ("mesh.divisions=24", "mesh.band_facets=4", "load.assembly_steps=1", "lo
 LESS = ("mesh.divisions=16", "mesh.band_facets=3")
 LEAST = ("mesh.divisions=12", "mesh.band_facets=2")
 CASES = {  # name: what it holds, scene, keys
-    "condensed": ("contact condensed by harmonics", "cd14.nml", SMALL),
     "factors": ("Newton matrix, LU of each step", "cd14.nml", (*SMALL, "solver.method=newton", "solver.factors=exact", *LEAST, "mesh.divisions=8")),
     "harmonic": ("Newton matrix, round bodies by harmonics", "cd14.nml", (*SMALL, "solver.method=newton", "solver.factors=harmonic", *LESS)),
     "large": ("large displacements", "cd14.nml", (*SMALL, "solver.kinematics=nonlinear", *LEAST, "mesh.divisions=8")),
     "quadratic": ("quadratic elements", "cd14.nml", (*SMALL, "mesh.element=hex20r", *LEAST)),
-    "joint": ("rough joint as contact law", "cd14.nml", (*SMALL, "contact.law=joint")),
+    "joint": ("contact condensed by harmonics, rough joint as contact law", "cd14.nml", (*SMALL, "contact.law=joint")),
     "apart": ("non-matching meshes, mortar segments", "cd14.nml", (*SMALL, *LESS, "mesh.ring_divisions=20", "mesh.ring_facets=4")),
     "drive": ("whole drive, loop of three torques", "../tests/cases/pressed_drive.nml", (*SMALL, "loop.torques=14, 0, -14", *LEAST)),
     "teeth": ("bonded ring against teeth", "teeth.nml", (*SMALL, *LEAST)),

@@ -33,7 +33,7 @@ def folder(small_run, tmp_path_factory):
     """A copy of the small run with its sensitivity and its report, made without PyVista."""
     out = shutil.copytree(small_run, tmp_path_factory.mktemp("report") / "run.out")
     with open(out / "progress.txt", "w") as told, contextlib.redirect_stderr(told):
-        analyse(out, draws=30, sobol=16)
+        analyse(out, draws=10, sobol=4)
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(sys.modules, "pyvista", None)
         write_report(out, picture=True, animation=True)

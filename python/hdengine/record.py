@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._check import MOST_BYTES, NUMBER, array, checked, fields, flag, input_file, integer, kind, mapping, number, seen, word
+from ._check import array, checked, fields, flag, integer, kind, mapping, number, word
 from ._check import path as a_path
-from ._engine import FileError, InputError
+from ._engine import InputError
 from ._types import PathLike
 from .catalogue import UNITS, Unit, stages
 from .files import check_folder, csv_text, write_folder
 from .smoothing import Spline
+from .table_file import numbers, text_rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,32 +32,6 @@ OVERLOAD = 5     # times that: beyond, the unit or the size is another
 DRIFT = 0.1      # of the hysteresis, by which a loop that closes may miss its beginning
 CLOSED = 0.02    # of the range of torque, by which ends of branches may differ that meet
 TURN = 0.1       # of the range of torque: a smaller reversal is noise, and both ends of a branch are so far from zero
-
-
-def _table(path):
-    """Names of the columns of a table that someone else wrote, and its rows as (line, cells); `#` begins a line of comment."""
-    file = input_file(path, MOST_BYTES)
-    try:
-        text = file.read_text(encoding="utf-8-sig")
-    except (OSError, ValueError) as why:
-        raise FileError(f"'{path}' cannot be read: {getattr(why, 'strerror', None) or 'it is no text in UTF-8'}") from None
-    if "\0" in text:
-        raise FileError(f"'{path}' holds bytes that are no text: save it as UTF-8")
-    rows = [(i, [cell.strip() for cell in line.split(",")]) for i, line in enumerate(text.split("\n"), 1)
-            if line.strip() and not line.lstrip().startswith("#")]
-    return (rows[0][1], rows[1:]) if rows else ([""], [])
-
-
-def _column(path, names, rows, name):
-    """Numbers of a column."""
-    at, found = names.index(name), []
-    for line, cells in rows:
-        if len(cells) != len(names):
-            raise InputError(f"'{path}', line {line}: {len(cells)} cells; valid: {len(names)}, as the line of names")
-        if not NUMBER.fullmatch(cells[at]):
-            raise InputError(f"'{path}', line {line}: column {name}: {seen(cells[at])}; valid: a number")
-        found.append(float(cells[at]))
-    return np.array(found)
 
 
 @dataclass
@@ -179,17 +154,16 @@ class Record:
     @checked(path=a_path)
     def read(cls, path: PathLike, **errors: Any) -> Record:
         """Record of a CSV table with columns torque_nm and angle_rad or angle_arcsec."""
-        names, rows = _table(path)
+        names, rows = text_rows(path, comment="#")
         angles = [name for name in ("angle_rad", "angle_arcsec") if name in names]
         if "torque_nm" not in names or not angles:
             raise InputError(f"'{path}' begins with '{','.join(names)[:80]}'; needed: a line of names, torque_nm and angle_rad or "
                              "angle_arcsec, with commas between them")
         if not rows:
             raise InputError(f"'{path}' holds no reading below its line of names")
-        for name in names:
-            if names.count(name) > 1 or (len(angles) == 2 and name in angles):
-                raise InputError(f"'{path}' has {name} twice, or both angle_rad and angle_arcsec: leave out one")
-        torque, angle = (_column(path, names, rows, name) for name in ("torque_nm", angles[0]))
+        if len(angles) == 2:
+            raise InputError(f"'{path}' has angle_rad and angle_arcsec: leave out one")
+        torque, angle = (numbers(path, names, rows, name) for name in ("torque_nm", angles[0]))
         return cls(torque, angle * (ARCSEC if angles[0] == "angle_arcsec" else 1), **errors)
 
     def _split(self):

@@ -28,7 +28,42 @@ from .views.labels import LOOP
 __all__ = ["Result", "load"]
 _GRADIENT = "run.gradient=.true.\nrun.tolerance=0\nrun.band=.false.\nturning.positions=0\noutput.vtu=none\n" \
             "load.tangent_steps=needed"   # of the run that is solved again for its derivatives
+_OF_FACETS = ("step", "facet", "i_theta", "i_z", "area_m2", "pressure_pa")   # without which contact.csv says nothing
+_OF_ALL_STEPS = ("iterations", "wave_generator_torque_nm")   # results that are a sum, or a drive's largest, and no step's
 KEPT = 8    # steps of contact.csv that a result holds besides the whole
+
+
+_KINDS: dict[str, type] = {
+    **dict.fromkeys(("status", "message", "title"), str), **dict.fromkeys(("warnings", "spacing_m"), list),
+    **dict.fromkeys(("results", "joint", "model", "timers_s", "model_error", "k_ts_by_model", "provenance", "scene", "fits",
+                     "generator", "plan"), dict)}   # of what is in summary.json
+
+
+class _Entries(dict):
+    """Entries of a file that hdengine wrote, with those in them; one that is missing is an error that names it and the file."""
+
+    def __init__(self, found, place):
+        super().__init__({k: _Entries(v, f"{place}: {k}") if isinstance(v, dict) else v for k, v in found.items()})
+        self._place = place
+
+    def __missing__(self, key):
+        raise FileError(f"{self._place} is not what hdengine writes: no entry {key}")
+
+
+def _check_summary(path, found):
+    """Refuse entries that are of another kind than hdengine writes."""
+    words: dict[type, str] = {str: "a text", list: "a list", dict: "an object"}
+    wrong = [(name, found[name], words[kind]) for name, kind in _KINDS.items() if not isinstance(found.get(name, kind()), kind)]
+    flat = {} if wrong else dict(found.get("results", {}))
+    for name in [name for name, value in flat.items() if isinstance(value, dict)]:
+        flat |= {f"{name}.{key}": value for key, value in flat.pop(name).items()}
+    wrong += [(f"results.{name}", value, "a number, or null") for name, value in flat.items()
+              if value is not None and (isinstance(value, bool) or not isinstance(value, (int, float)))]
+    texts = [] if wrong else [*found.get("warnings", []), *found.get("model_error", {}).get("left_out", [])]
+    wrong += [("warnings or model_error.left_out", value, "texts") for value in texts if not isinstance(value, str)]
+    if wrong:
+        name, value, what = wrong[0]
+        raise FileError(f"'{path}' is not what hdengine writes: {name} = {seen(value)}: must be {what}")
 
 
 def read_summary(folder: PathLike, *needed: str) -> dict:
@@ -37,7 +72,7 @@ def read_summary(folder: PathLike, *needed: str) -> dict:
     Raises
     ------
     FileError
-        There is none.
+        There is none, or it is not what a run left.
     """
     path = Path(folder) / "summary.json"
     if not path.is_file():
@@ -46,7 +81,9 @@ def read_summary(folder: PathLike, *needed: str) -> dict:
         raise FileError(f"'{folder}' holds {what}")
     if "scene" in needed and read_json(path).get("kind") == "surface":
         raise FileError(f"'{folder}' holds a run of surfaces: read it by hdengine.SurfaceResult")
-    return read_json(path, *needed)
+    found = read_json(path, *needed)
+    _check_summary(path, found)
+    return _Entries(found, f"'{path}'")
 
 
 def _number(value):
@@ -136,6 +173,10 @@ class Result:
         self.summary = read_summary(folder, "title", "status", "scene", "results", "model", "joint", "warnings")
         self.steps = read_csv(self.folder / "steps.csv", "step", "torque_nm", "load_factor")
         self.history = read_csv(self.folder / "history.csv", "iteration", "residual")
+        steps = self.steps["step"]
+        if steps.dtype.kind != "i" or (np.diff(steps) <= 0).any():
+            raise FileError(f"'{self.folder / 'steps.csv'}' is not what hdengine writes: the steps do not rise from row to row")
+        self._check_summary_of_steps()
         self._facets: dict[int, dict] = {}   # of the steps that were asked for alone
         #: rows of steps.csv whose facets contact.csv holds
         self._held = range(len(self.steps))
@@ -144,6 +185,19 @@ class Result:
             self._held = range(row, row + 1)
         last = self.contact_at(self._held[-1])
         self.shape = int(last["i_theta"][-1]), int(last["i_z"][-1])
+
+    def _check_summary_of_steps(self):
+        """Refuse a summary and a steps.csv that are not of one run: its results are a row of the table, digit for digit."""
+        results, steps = self.summary["results"], self.steps
+        if results["steps"] != len(steps):
+            raise FileError(f"'{self.folder}': steps.csv has {len(steps)} rows, summary.json {results['steps']} load steps")
+        rows = np.ones(len(steps), bool)
+        for name in (n for n in steps.dtype.names or () if n in results and n not in _OF_ALL_STEPS):
+            value = np.nan if results[name] is None else results[name]
+            rows &= (steps[name] == value) | ((steps[name] != steps[name]) & (value != value))
+            if not rows.any():
+                raise FileError(f"'{self.folder}': {name} = {value:.17g} in summary.json is not that of the same row of steps.csv "
+                                "as the results before it: one of the two was changed")
 
     @functools.cached_property
     def contact(self) -> dict:
@@ -157,10 +211,21 @@ class Result:
         path, facets = self.folder / "contact.csv", self.shape[0] * self.shape[1]
         if len(self._held) < len(self.steps):
             raise InputError(f"'{path}' holds one load step (output.contact = 'last'): valid is contact_at({self._held[0]})")
-        table = read_csv(path, "facet", "i_theta", "i_z", "pressure_pa")
+        table = read_csv(path, *_OF_FACETS)
         if len(table) != facets * len(self.steps):
             raise FileError(f"'{path}' has {len(table)} rows: must be {facets} facets times {len(self.steps)} load steps")
+        self._check_facets(table)
         return {name: table[name].reshape(-1, facets) for name in table.dtype.names or ()}
+
+    def _check_facets(self, table):
+        """Refuse rows of contact.csv that are not those of whole load steps."""
+        steps, facet, around, along = (table[name] for name in ("step", "facet", "i_theta", "i_z"))
+        count, rows = int(facet.max()), [*dict.fromkeys(steps.tolist())]
+        if len(table) != count * len(rows) or (steps != np.repeat(rows, count)).any() \
+                or not np.isin(rows, self.steps["step"]).all() or (facet != (around - 1) * along.max() + along).any() \
+                or (facet != np.tile(np.arange(1, count + 1), len(rows))).any():
+            raise FileError(f"'{self.folder / 'contact.csv'}' is not what hdengine writes: a load step of {rows[0]} to "
+                            f"{rows[-1]} has not each of its facets once, in their order")
 
     def _row(self, step):
         """Row of a load step, counted from 0, or back from the end where negative."""
@@ -187,9 +252,20 @@ class Result:
             if len(self._facets) == KEPT:
                 self._facets.clear()
             number = int(self.steps["step"][step])
-            table = read_csv(self.folder / "contact.csv", "facet", "i_theta", "i_z", "pressure_pa", step=number)
+            table = read_csv(self.folder / "contact.csv", *_OF_FACETS, step=number)
+            self._check_facets(table)
             self._facets[step] = {name: table[name] for name in table.dtype.names or ()}
         return self._facets[step]
+
+    def _of_steps(self, name, which=()):
+        """A table with as many rows for each load step, of all or those of a mask; FileError where they do not fit to steps.csv."""
+        table = read_csv(self.folder / name)
+        steps = self.steps[which] if len(which) else self.steps
+        at = [c for c in ("step", "torque_nm", "load_factor") if c in (table.dtype.names or ())]
+        each = max(1, len(table) // max(1, len(steps)))
+        if len(at) < 3 or len(table) != each * len(steps) or any((table[c] != np.repeat(steps[c], each)).any() for c in at):
+            raise FileError(f"'{self.folder / name}' is not what hdengine writes: its load steps are not those of steps.csv")
+        return table
 
     @property
     def scene(self) -> dict:
@@ -209,22 +285,22 @@ class Result:
     @property
     def teeth(self) -> np.ndarray:
         """Force, share and closing of every flank of the teeth and torque step (teeth.csv), a structured array."""
-        return read_csv(self.folder / "teeth.csv")
+        return self._of_steps("teeth.csv", self.steps["phase"] == "torque")
 
     @property
     def loop(self) -> np.ndarray:
         """Torque, angle, energies and largest forces of every step of the whole drive (loop.csv), a structured array."""
-        return read_csv(self.folder / "loop.csv")
+        return self._of_steps("loop.csv")
 
     @property
     def balls(self) -> np.ndarray | None:
         """Force, share and closing of every ball and step (balls.csv), a structured array; None without balls."""
-        return read_csv(self.folder / "balls.csv") if (self.folder / "balls.csv").exists() else None
+        return self._of_steps("balls.csv") if (self.folder / "balls.csv").exists() else None
 
     @property
     def fatigue(self) -> np.ndarray:
         """Mean, amplitude and safety of the points of the flexspline's meridian (fatigue.csv), a structured array."""
-        return read_csv(self.folder / "fatigue.csv")
+        return read_csv(self.folder / "fatigue.csv", "torque_nm", "safety")
 
     @property
     def turning(self) -> np.ndarray | None:

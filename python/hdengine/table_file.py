@@ -5,58 +5,119 @@ from __future__ import annotations
 import contextlib
 import itertools
 import mmap
-import warnings
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
-from ._check import input_file
-from ._engine import FileError
+from ._check import HUGE, MOST_BYTES, NUMBER, input_file, seen
+from ._engine import FileError, InputError
 from ._types import PathLike
 
 __all__: list[str] = []
-WORD = 24   # characters beyond which a table is left to the slow reader
+WORD = 24    # characters of a word beyond which a table is left to the slow reader
+FIRST = 20   # rows that tell whether a column holds whole numbers, as they are written
 
 
-def _lines(source):
-    """Lines of a file, without a mark at its begin, or those of a list; numpy asks for the working folder, which may be gone."""
-    return contextlib.nullcontext(source) if isinstance(source, list) else open(source, encoding="utf-8-sig")
+def _names(line, path):
+    """Names of the columns, each once."""
+    names = [name.strip() for name in line.split(",")]
+    twice = next((name for name in names if names.count(name) > 1), None)
+    if twice is not None:
+        raise InputError(f"'{path}': column '{twice}' stands twice")
+    return names
+
+
+def _is_word(cell):
+    """Whether a cell is that of a column of words, as 'torque' in steps.csv."""
+    return cell[:1].isalpha() and cell.lower() not in ("nan", "inf", "infinity")
 
 
 def _table(source):
-    """A table without gaps by numpy's fast reader; ValueError or Warning where that does not do. Whole numbers are integers."""
-    with _lines(source) as lines:
-        head = [*itertools.islice(lines, 20)]
-    first = np.genfromtxt(head, delimiter=",", names=True, dtype=None, encoding="utf-8").dtype
-    if first.names is None or any(first[name].kind not in "ifU" for name in first.names):
-        raise ValueError("neither numbers nor words")
-    kinds: dict = {name: f"U{WORD}" if first[name].kind == "U" else float for name in first.names}
-    with _lines(source) as lines:
-        table = np.loadtxt(lines, delimiter=",", dtype=[*kinds.items()], skiprows=1, ndmin=1)
-    for name in first.names:
+    """A table without gaps by numpy's fast reader; ValueError where that does not do. Whole numbers are integers."""
+    with contextlib.nullcontext(iter(source)) if isinstance(source, list) else open(source, encoding="utf-8-sig") as lines:
+        names = _names(next(lines, ""), source)
+        first = [*itertools.islice(lines, FIRST)]
+        cells = [line.strip().split(",") for line in first]
+        if not cells or any(len(row) != len(names) for row in cells):
+            raise ValueError("no rows, or of another length")
+        words = [_is_word(cell) for cell in cells[0]]
+        kinds: dict = {name: f"U{WORD}" if word else float for name, word in zip(names, words)}
+        table = np.loadtxt(itertools.chain(first, lines), delimiter=",", dtype=[*kinds.items()], ndmin=1, comments=None)
+    for i, name in enumerate(names):
         column = table[name]
-        if first[name].kind == "U":
+        if words[i]:
             longest = int(np.char.str_len(column).max())
             if not 0 < np.char.str_len(column).min() <= longest < WORD:
                 raise ValueError("words that are too long, or missing")
             kinds[name] = f"U{longest}"
-        elif first[name].kind == "i" and np.all((column == np.rint(column)) & (abs(column) < 2.0**53)):
+        elif (abs(column) > HUGE).any():
+            raise ValueError("no number of any quantity")
+        elif all(row[i].lstrip("+-").isdigit() for row in cells) and np.all((column == np.rint(column)) & (abs(column) < 2.0**53)):
             kinds[name] = int
     return table.astype([*kinds.items()])
 
 
-def _table_with_gaps(source):
-    """A table by numpy's slow reader, a gap as NaN: among whole numbers it would become -1."""
-    options: dict = {"delimiter": ",", "names": True, "encoding": "utf-8"}
-    with _lines(source) as lines:
-        table = np.atleast_1d(np.genfromtxt(lines, dtype=None, **options))
-    names = table.dtype.names or ()
-    if not any(table.dtype[name].kind == "i" for name in names):
-        return table
-    floats = [(name, float if table.dtype[name].kind == "i" else table.dtype[name]) for name in names]
-    with _lines(source) as lines:
-        wide = np.atleast_1d(np.genfromtxt(lines, dtype=floats, **options))
-    return wide.astype([(name, table.dtype[name] if not np.any(wide[name] != wide[name]) else float) for name in names])
+def text_rows(path: PathLike, comment: str = "") -> tuple[list, list]:
+    """Names of the columns of a table, and its rows as (line, cells); lines that begin with `comment`, if it is one, are none.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or is no text.
+    InputError
+        A column stands twice, or a row has another length.
+    """
+    file = input_file(path, MOST_BYTES)
+    try:
+        text = file.read_text(encoding="utf-8-sig")
+    except (OSError, ValueError) as why:
+        raise FileError(f"'{path}' cannot be read: {getattr(why, 'strerror', None) or 'it is no text in UTF-8'}") from None
+    if "\0" in text:
+        raise FileError(f"'{path}' holds bytes that are no text: save it as UTF-8")
+    rows = [(i, [cell.strip() for cell in line.split(",")]) for i, line in enumerate(text.split("\n"), 1)
+            if line.strip() and not (comment and line.lstrip().startswith(comment))]
+    if not rows:
+        raise InputError(f"'{path}' holds no line of names")
+    names = _names(",".join(rows[0][1]), path)
+    for line, cells in rows[1:]:
+        if len(cells) != len(names):
+            raise InputError(f"'{path}', line {line}: {len(cells)} cells; valid: {len(names)}, as the line of names")
+    return names, rows[1:]
+
+
+def numbers(path: PathLike, names: Sequence[str], rows: Sequence, name: str, gaps: bool = False) -> np.ndarray:
+    """Numbers of a column of `text_rows`; with `gaps` an empty cell, and a NaN, is one that is absent.
+
+    Raises
+    ------
+    InputError
+        A cell is no number.
+    """
+    at, found = names.index(name), []
+    for line, cells in rows:
+        if not NUMBER.fullmatch(cells[at]) and not (gaps and cells[at].lower() in ("", "nan")):
+            raise InputError(f"'{path}', line {line}: column {name}: {seen(cells[at])}; valid: a number")
+        found.append(float(cells[at] or "nan"))
+        if abs(found[-1]) > HUGE:
+            raise InputError(f"'{path}', line {line}: column {name}: {seen(cells[at])}; valid: up to {HUGE:g}")
+    return np.array(found)
+
+
+def _table_with_gaps(path):
+    """A table by cells, a gap as NaN; InputError where one is neither a number nor a word of a column of words."""
+    names, rows = text_rows(path)
+    columns = {}
+    for i, name in enumerate(names):
+        if rows and _is_word(next((cells[i] for _, cells in rows if cells[i]), "")):
+            columns[name] = np.array([cells[i] for _, cells in rows])
+            continue
+        columns[name] = numbers(path, names, rows, name, gaps=True)
+        if rows and all(cells[i].lstrip("+-").isdigit() for _, cells in rows) and (abs(columns[name]) < 2.0**53).all():
+            columns[name] = columns[name].astype(int)
+    table = np.empty(len(rows), [(name, column.dtype) for name, column in columns.items()])
+    for name, column in columns.items():
+        table[name] = column
+    return table
 
 
 def _lines_of_step(path, step):
@@ -75,7 +136,7 @@ def _lines_of_step(path, step):
                     high = line
             return low
         text = data[:after(0)] + data[first_of(step):first_of(step + 1)]
-    return text.decode("utf-8").splitlines()
+    return text.decode("utf-8-sig").splitlines()
 
 
 def read_csv(path: PathLike, *needed: str, step: int | None = None) -> np.ndarray:
@@ -96,29 +157,21 @@ def read_csv(path: PathLike, *needed: str, step: int | None = None) -> np.ndarra
     """
     input_file(path)
     try:
-        with open(path, "rb") as file:
-            if b"\0" in file.read(4096):
-                raise ValueError("it holds bytes that are no text")
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            warnings.filterwarnings("ignore", "overflow encountered in conversion")   # words are tried as numbers first
-            source: Any = path
-            if step is not None:
-                source = _lines_of_step(path, step)
-            try:
-                table = _table(source)
-            except (ValueError, Warning, IndexError):
-                table = _table_with_gaps(source)
+        try:
+            table = _table(path if step is None else _lines_of_step(path, step))
+        except (ValueError, IndexError, InputError):   # the slow one says where
+            table = _table_with_gaps(path)
+        if step is not None:
+            table = table[table[table.dtype.names[0]] == step]
     except OSError as e:
         raise FileError(f"'{path}' cannot be read: {e.strerror or e}") from None
-    except (ValueError, TypeError, Warning, IndexError) as e:   # TypeError: numpy, where a word follows whole numbers
-        said = [line.strip() for line in str(e).splitlines() if line.strip()] or [type(e).__name__]
-        first = next((line for line in said if line.startswith("Line #")), said[0])
-        raise FileError(f"'{path}' is no table of comma-separated values under a line of names: {first}") from None
-    if table.dtype.names is None:
-        raise FileError(f"'{path}' is no table of comma-separated values under a line of names")
+    except InputError as e:
+        raise FileError(str(e)) from None
     missing = [name for name in needed if name not in table.dtype.names]
     if missing or (needed and not len(table)):   # only what every run leaves must have rows
         why = f"is not what hdengine writes: no column {', '.join(missing)}" if missing else "has no row: no load step was done"
         raise FileError(f"'{path}' {why}")
+    absent = [name for name in needed if table[name].dtype.kind == "U" or (table[name] != table[name]).any()]
+    if absent:
+        raise FileError(f"'{path}' is not what hdengine writes: a value of column {absent[0]} is absent, or a word")
     return table

@@ -131,7 +131,7 @@ def test_readings_are_numbers_as_they_stand(tmp_path, cell):
 def test_tables_of_readings_are_whole_texts(tmp_path):
     """A column that stands twice, a row of another length and a byte of 0 anywhere are refused: two torques gave K1 = 0."""
     lines = (ROOT / "data/torque_record.csv").read_text().splitlines()
-    for rows, says in (([f"torque_nm,{lines[0]}", *(f"0,{line}" for line in lines[1:])], "torque_nm twice"),
+    for rows, says in (([f"torque_nm,{lines[0]}", *(f"0,{line}" for line in lines[1:])], "'torque_nm' stands twice"),
                        ([*lines[:1200], f"{lines[1200]},7", *lines[1201:]], "line 1201: 3 cells"),
                        ([*lines[:2400], "\0", *lines[2400:]], "no text")):
         (tmp_path / "r.csv").write_text("\n".join(rows))
@@ -179,7 +179,7 @@ def test_tables_that_say_something_else_are_refused(tmp_path):
     """A table without rows, with the angle twice, or whose angle stays or falls as the torque rises is refused with the reason; a byte order mark
     before the first name is none of it."""
     turn = np.concatenate([np.linspace(0, 5, 20), np.linspace(5, -5, 40), np.linspace(-5, 5, 40)])
-    for name, head, angles, says in (("empty", "torque_nm,angle_rad", [], "no reading"), ("twice", "torque_nm,angle_rad,angle_arcsec", [turn, turn], "both"),
+    for name, head, angles, says in (("empty", "torque_nm,angle_rad", [], "no reading"), ("twice", "torque_nm,angle_rad,angle_arcsec", [turn, turn], "angle_rad and angle_arcsec"),
                                      ("stays", "torque_nm,angle_rad", [0 * turn], "does not rise"), ("falls", "torque_nm,angle_rad", [-turn], "does not rise")):
         np.savetxt(tmp_path / name, np.c_[(turn, *angles)] if angles else np.empty((0, 2)), delimiter=",", header=head, comments="")
         with pytest.raises(hdengine.InputError, match=says):

@@ -263,6 +263,7 @@ def test_axes():
     ("[grid]\nload.torque = [1, 2\n", "s.toml:2"), ("[grids]\n", "unknown group grids.*s.toml:1"), ("[study]\n\nscen = 'a'\n", "s.toml:3"),
     ("title = 'a'\n", "outside of a table.*s.toml:1"), ("[grid]\nload.torque = true\n", "holds True.*s.toml:2"),
     ("[grid]\nload.torque = []\n", "has no value"), ("[grid]\nload.torque = 1\nload.torque = 2\n", "s.toml:3"),
+    ("[study]\ntitle = 'a'\nscene = 5\n", "'scene' of study = 5; valid: a text.*s.toml:3"),
     ("[grid]\nload.torque = [1979-05-27]\n", "valid: numbers and texts"),
     ("[fixed]\na.b = " + 5000 * "[" + "\n", "s.toml:2"), ("[fixed]\nmesh.divisions = " + 5000 * "9" + "\n", "s.toml:2"),
     ("[grid]\n" + "".join(f"a.b{i} = {[*range(100)]}\n" for i in range(4)), "100000000 points; valid: up to 1000000"),

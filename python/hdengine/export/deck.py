@@ -7,8 +7,6 @@ at the bottom.
 """
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
 from .._check import input_file, package
@@ -241,7 +239,10 @@ def to_deck(run: Result) -> str:
         raise FileError(f"'{run.folder}' has no bodies_*.vtu: run again with output.vtu = 'last', or 'all' "
                         "for a deck of every step")
     read = [_grid(path) for path in grids]
-    steps = [int(np.flatnonzero(run.steps["step"] == int(Path(path).stem.split("_")[1]))[0]) for path in grids]
+    numbers = [int(path.stem.split("_")[1]) for path in grids]
+    if not np.isin(numbers, run.steps["step"]).all():
+        raise FileError(f"'{run.folder}' has bodies_*.vtu of load steps that steps.csv lacks: run it again")
+    steps = np.searchsorted(run.steps["step"], numbers).tolist()
     scene, mesh = run.scene, _Mesh(read[0], run.scene)
     sets = _sets(run, mesh)
     struts, equations, ground, patches = _ball_struts(run, mesh) if run.balls is not None else ([], [], [], [])

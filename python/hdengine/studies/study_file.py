@@ -65,6 +65,9 @@ def read(path: PathLike) -> dict[str, dict[str, list]]:
             if valid and key not in valid:
                 raise InputError(f"unknown key '{key}' of {group}; valid: {', '.join(sorted(valid))}\n"
                                  f"  --> {path}{_line(text, key)}")
+            if group == "study" and [type(v) for v in keys[key]] != [str]:
+                raise InputError(f"'{key}' of study = {', '.join(map(repr, keys[key]))}; valid: a text\n"
+                                 f"  --> {path}{_line(text, key)}")
     return groups
 
 

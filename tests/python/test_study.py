@@ -265,6 +265,10 @@ def test_axes():
     ("[grid]\nload.torque = []\n", "has no value"), ("[grid]\nload.torque = 1\nload.torque = 2\n", "s.toml:3"),
     ("[study]\ntitle = 'a'\nscene = 5\n", "'scene' of study = 5; valid: a text.*s.toml:3"),
     ("[grid]\nload.torque = [1979-05-27]\n", "valid: numbers and texts"),
+    ("[grid]\nload.torque = [1, 2]\n[fixed]\nload.torque = 3\n", "'load.torque' stands in two groups.*s.toml"),
+    ("[figure]\ny = 3\n", "figure.y = .3.: must be text.*s.toml"), ("[figure]\ntorque = 'a'\n", "figure.torque = .'a'.: must be numbers"),
+    ("[figure]\nkind = 'pie'\n", "figure.kind = 'pie': must be one of series, catalogue"),
+    ("[grid]\nload.torque = [1, 2]\n[figure]\nx = 'mesh.divisions'\n", "figure.x = 'mesh.divisions': must be one of load.torque"),
     ("[fixed]\na.b = " + 5000 * "[" + "\n", "s.toml:2"), ("[fixed]\nmesh.divisions = " + 5000 * "9" + "\n", "s.toml:2"),
     ("[grid]\n" + "".join(f"a.b{i} = {[*range(100)]}\n" for i in range(4)), "100000000 points; valid: up to 1000000"),
 ])

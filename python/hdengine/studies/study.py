@@ -29,6 +29,7 @@ from .progress import Progress
 
 __all__ = ["Study", "StudyResult"]
 ROWS = ("torque", "last", "all")
+FIGURES = ("series", "catalogue")
 MOST_POINTS = 10**6
 CLEARANCE = "load.tooth_clearance"
 # keys in which a cup against its teeth differs from its contact, which does not feel the others
@@ -95,9 +96,22 @@ class Study:
                     raise InputError(f"'{key}' in [{name}] has no value")
                 if key in self.fixed or (name == "grid" and key in self.together):
                     raise InputError(f"'{key}' stands in two groups of the study")
+        self._check_figure()
         count = math.prod(len(v) for v in self.grid.values()) * max([1, *lengths.values()])
         if count > MOST_POINTS:
             raise InputError(f"the study has {count} points; valid: up to {MOST_POINTS}")
+
+    def _check_figure(self):
+        """Refuse what no table can be drawn by; which columns it has is known once a point is solved."""
+        swept = (*self.together, *self.grid)
+        for name, value in self.figure.items():
+            of, what = ((int, float), "numbers") if name == "torque" else (object if name == "relative" else str, "text")
+            for v in value if isinstance(value, (list, tuple)) and name in ("y", "torque", "panels") else [value]:
+                if not isinstance(v, of):
+                    raise InputError(f"figure.{name} = {value!r}: must be {what}")
+                choices = FIGURES if name == "kind" else swept if name == "panels" or "." in str(v) else (v,)
+                if name != "torque" and v not in choices:
+                    raise InputError(f"figure.{name} = '{v}': must be one of {', '.join(choices) or 'the swept keys'}")
 
     def _in_si(self, key, value):
         """A number with its unit as the number that the engine takes it for; all else as it is."""
@@ -128,8 +142,11 @@ class Study:
         figure = {key: v if key in ("y", "torque", "panels") else v[0] for key, v in groups.get("figure", {}).items()}
         scene = str(Path(path).parent / head["scene"]) if head.get("scene") else ""
         fixed = {key: v[0] if len(v) == 1 else v for key, v in groups.get("fixed", {}).items()}
-        return cls(scene, groups.get("grid", {}), groups.get("together", {}), fixed, head.get("rows", "torque"),
-                   head.get("title", Path(path).stem), figure)
+        try:
+            return cls(scene, groups.get("grid", {}), groups.get("together", {}), fixed, head.get("rows", "torque"),
+                       head.get("title", Path(path).stem), figure)
+        except InputError as error:
+            raise InputError(f"{error}\n  --> {path}") from None
 
     @property
     def points(self) -> list:

@@ -29,7 +29,6 @@ __all__ = ["Result", "load"]
 _GRADIENT = "run.gradient=.true.\nrun.tolerance=0\nrun.band=.false.\nturning.positions=0\noutput.vtu=none\n" \
             "load.tangent_steps=needed"   # of the run that is solved again for its derivatives
 _OF_FACETS = ("step", "facet", "i_theta", "i_z", "area_m2", "pressure_pa")   # without which contact.csv says nothing
-_OF_ALL_STEPS = ("iterations", "wave_generator_torque_nm")   # results that are a sum, or a drive's largest, and no step's
 KEPT = 8    # steps of contact.csv that a result holds besides the whole
 
 
@@ -192,7 +191,7 @@ class Result:
         if results["steps"] != len(steps):
             raise FileError(f"'{self.folder}': steps.csv has {len(steps)} rows, summary.json {results['steps']} load steps")
         rows = np.ones(len(steps), bool)
-        for name in (n for n in steps.dtype.names or () if n in results and n not in _OF_ALL_STEPS):
+        for name in (n for n in steps.dtype.names or () if n in results and n != "iterations"):   # those of all steps
             value = np.nan if results[name] is None else results[name]
             rows &= (steps[name] == value) | (steps[name] != steps[name])   # a run that stops finds its tangent behind the table
             if not rows.any():

@@ -99,7 +99,7 @@ contains
     call json%add('iterations', tally%iterations)
     call json%add('cut_backs', tally%cuts)
     call json%add('cycles', tally%cycles)
-    call add_results(json, sums, record, scene%support%loop)
+    call add_results(json, sums, record)
     if (strength%flexspline > 0) call add_strength(json, scene, strength)
     if (scene%support%loop) call add_loop(json, scene, loop, step, sums, record%band)
     call json%finish()
@@ -221,18 +221,16 @@ contains
   end subroutine add_predictions
 
   !> Results of a converged step.
-  subroutine add_results(json, sums, record, whole)
+  subroutine add_results(json, sums, record)
     type(json_t), intent(inout) :: json      !< document
     type(sums_t), intent(in) :: sums         !< sums
     type(record_t), intent(in) :: record     !< slip torque
-    logical, intent(in) :: whole             !< the whole drive in a loop
     type(string_t), allocatable :: names(:)
     real(dp), allocatable :: values(:)
     integer :: i
     names = split(sum_names)
     values = sum_values(sums)
     do i = 1, size(values)
-      if (whole .and. names(i)%s == 'wave_generator_torque_nm') cycle  ! add_loop gives the largest
       call json%add(names(i)%s, values(i))
     end do
     if (sums%cam_force > 0) then
@@ -279,7 +277,7 @@ contains
       if (found(i) == found(i)) call json%add(names(i)%s, found(i))
     end do
     if (allocated(band%input)) call add_shares(json, band)
-    call json%add('wave_generator_torque_nm', loop%wave_generator_torque_max)
+    call json%add('wave_generator_torque_max_nm', loop%wave_generator_torque_max)
   end subroutine add_loop
 
   !> The inputs that make the band.

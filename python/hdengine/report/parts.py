@@ -300,7 +300,7 @@ def _strength(result):
                     for name, value, beside, safety in rows)
     loads = "".join(f"<tr><td>{name}</td><td>{results[key]:.4g}</td><td></td><td></td></tr>" for name, key in (
         ("largest force of a ball / N", "ball_force_max_n"), ("largest force of a pair's flank / N", "tooth_force_max_n"),
-        ("torque on the wave generator / N m", "wave_generator_torque_nm")) if results.get(key) is not None)
+        ("torque on the wave generator / N m", "wave_generator_torque_max_nm")) if results.get(key) is not None)
     head = "".join(f"<th>{word}</th>" for word in ("of all load steps", "value", "beside", "safety"))
     return f'<div class="scroll"><table><thead><tr>{head}</tr></thead>' \
         f"<tbody>{loads}{cells}</tbody></table></div>"

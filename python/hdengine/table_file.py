@@ -27,9 +27,9 @@ def _names(line, path):
     return names
 
 
-def _is_word(cell):
-    """Whether a cell is that of a column of words, as 'torque' in steps.csv."""
-    return cell[:1].isalpha() and cell.lower() not in ("nan", "inf", "infinity")
+def _is_word(name, cell):
+    """Whether a cell is that of a column of words: 'torque' in steps.csv, '40x8_linear' of the column mesh in plan.csv."""
+    return name == "mesh" or cell[:1].isalpha() and cell.lower() not in ("nan", "inf", "infinity")
 
 
 def _table(source):
@@ -40,7 +40,7 @@ def _table(source):
         cells = [line.strip().split(",") for line in first]
         if not cells or any(len(row) != len(names) for row in cells):
             raise ValueError("no rows, or of another length")
-        words = [_is_word(cell) for cell in cells[0]]
+        words = [_is_word(*pair) for pair in zip(names, cells[0])]
         kinds: dict = {name: f"U{WORD}" if word else float for name, word in zip(names, words)}
         table = np.loadtxt(itertools.chain(first, lines), delimiter=",", dtype=[*kinds.items()], ndmin=1, comments=None)
     for i, name in enumerate(names):
@@ -108,7 +108,7 @@ def _table_with_gaps(path):
     names, rows = text_rows(path)
     columns = {}
     for i, name in enumerate(names):
-        if rows and _is_word(next((cells[i] for _, cells in rows if cells[i]), "")):
+        if rows and _is_word(name, next((cells[i] for _, cells in rows if cells[i]), "")):
             columns[name] = np.array([cells[i] for _, cells in rows])
             continue
         columns[name] = numbers(path, names, rows, name, gaps=True)

@@ -193,7 +193,7 @@ def test_loop_is_that_of_its_tables(drive):
         t = last(tables["teeth"], row["step"])["force_n"].reshape(-1, 2)
         assert row["ball_force_max_n"] == b.max() and row["balls_loaded"] == (b > 0).sum()
         assert row["tooth_force_max_n"] == t.max(initial=0) and row["pairs_loaded"] == (t > 0).any(1).sum()
-        assert row["k_ts_nm_per_rad"] == step["k_ts_nm_per_rad"] and row["torque_nm"] == step["torque_nm"]
+        assert all(row[name] == step[name] for name in ("k_ts_nm_per_rad", "torque_nm", "wave_generator_torque_nm"))
         shares = [row[f"share_{name}"] for name in ("cup", "ring", "balls", "teeth", "spline", "gaps", "slip", "joint")]
         assert np.isnan(shares).all() or sum(shares) == pytest.approx(1, abs=1e-9)
     assert sum(shares) == pytest.approx(1, abs=1e-9)
@@ -206,6 +206,7 @@ def test_loop_is_that_of_its_tables(drive):
     assert r["reference_torque_nm"] == loop["torque_nm"].max()
     assert {f"share_{part}": share for part, share in r["twist_shares"].items()} == {name: loop[-1][name] for name in loop.dtype.names if name.startswith("share_")}
     assert r["ball_force_max_n"] == loop["ball_force_max_n"].max() and r["tooth_force_max_n"] == loop["tooth_force_max_n"].max()
+    assert r["wave_generator_torque_max_nm"] == abs(loop["wave_generator_torque_nm"]).max()
     assert r["loop_work_j"] == loop["work_j"][-1] and r["loop_stored_j"] == loop["stored_j"][-1]
     assert r["loop_dissipated_j"] == loop["dissipated_j"][-1] and r["loop_dissipated_teeth_j"] == loop["dissipated_teeth_j"][-1]
 

@@ -23,8 +23,9 @@ from .contact import Run, doubts, given_keys, read_scene
 from .export import command as export_command
 from .files import check_file, check_folder
 from .prediction import command as joint_command
-from .results import Result, read_summary
+from .results import Result
 from .studies import planner
+from .summary_file import read_summary
 from .surfaces.command import add_options, run_surface
 from .surfaces.run import SurfaceResult
 from .surfaces.run import _run as _run_surface_alone

@@ -22,7 +22,7 @@ ROOMS = {"common": [["base"], ["io", "lib"]], "surface": [["generate", "fit"], [
 FLOOR = {(wing, room): floor for wing, floors in ROOMS.items() for floor, rooms in enumerate(floors) for room in rooms}
 MOST_FILES, MOST_LINES = 15, 450
 PACKAGE = ROOT / "python/hdengine"
-PYTHON_FLOORS = [["_engine", "_types", "_keys"], ["_check"], ["files"], ["torsion", "table_file", "catalogue", "smoothing", "mesh"], ["paper", "solid", "views"], ["figures"], ["joint"],
+PYTHON_FLOORS = [["_engine", "_types", "_keys"], ["_check"], ["files"], ["torsion", "table_file", "summary_file", "catalogue", "smoothing", "mesh"], ["paper", "solid", "views"], ["figures"], ["joint"],
                  ["elastic"], ["results"], ["contact", "record"], ["surfaces", "studies", "teeth"], ["prediction", "drive"],
                  ["uncertainty", "completion"], ["report", "export"], ["cli"], ["__main__"],
                  ["__init__"]]

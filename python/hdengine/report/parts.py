@@ -17,8 +17,9 @@ from ..catalogue import unit_of
 from ..contact import read_scene
 from ..elastic import joint_of_scene
 from ..files import read_json
-from ..results import Result, read_summary
+from ..results import Result
 from ..studies.study import StudyResult, read_rows
+from ..summary_file import read_summary
 from ..surfaces.run import SurfaceResult
 from ..views.labels import LABELS, LOOP, label
 from ..views.run import is_drive, reference_step

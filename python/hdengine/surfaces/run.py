@@ -13,7 +13,7 @@ from .._engine import InputError
 from .._types import PathLike, Value
 from ..contact import _assignments
 from ..files import write_files
-from ..results import read_summary
+from ..summary_file import read_summary
 from ..table_file import read_csv
 from .fit import Fit, Ridges, rows_alone
 from .specimen import JointSurface, Specimen

@@ -14,6 +14,7 @@ from ._engine import FileError, InputError
 from ._types import PathLike
 
 __all__: list[str] = []
+WORDS = ("mesh", "checksum")   # columns of words that may begin with a digit, in plan.csv
 WORD = 24    # characters of a word beyond which a table is left to the slow reader
 FIRST = 20   # rows that tell whether a column holds whole numbers, as they are written
 
@@ -28,8 +29,8 @@ def _names(line, path):
 
 
 def _is_word(name, cell):
-    """Whether a cell is that of a column of words: 'torque' in steps.csv, '40x8_linear' of the column mesh in plan.csv."""
-    return name == "mesh" or cell[:1].isalpha() and cell.lower() not in ("nan", "inf", "infinity")
+    """Whether a cell is that of a column of words, as 'torque' in steps.csv."""
+    return name in WORDS or cell[:1].isalpha() and cell.lower() not in ("nan", "inf", "infinity")
 
 
 def _table(source):

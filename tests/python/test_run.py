@@ -363,7 +363,7 @@ def test_softened_friction_stiffens_as_far_as_needed(exe, tmp_path):
 
 @pytest.mark.parametrize("text", [
     "step,phase,x\n1,assembly,0\n2,torque,0.5\n3,torque,nan\n", "a,b\n1,2\n", "a,b\n1,1e300\n-2,1e17\n", "a,word\n1,x\n2," + 30 * "y" + "\n",
-    "a,b\n1,\n2.5,3.5\n", "mesh,b\n40x8_linear,2\n"])
+    "a,b\n1,\n2.5,3.5\n", "mesh,b\n40x8_linear,2\n", "checksum,b\n81EB,2\nA1,3\n"])
 def test_tables_are_read_alike(text, tmp_path):
     """The fast reader gives the names, types and values of numpy's genfromtxt: whole numbers, words, gaps, a column that turns."""
     path = tmp_path / "t.csv"

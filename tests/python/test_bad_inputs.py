@@ -8,7 +8,7 @@ import pytest
 
 import hdengine
 from conftest import ROOT, call
-from hdengine import results
+from hdengine import files
 from hdengine.record import Record
 from hdengine.studies import planner, study, study_file
 from hdengine.surfaces import specimen
@@ -290,7 +290,7 @@ def test_every_key_opens_files_alone(exe, tmp_path, odd, key):
 
 
 @pytest.mark.parametrize("reader", [
-    specimen.read, Record.read, planner.plan, study_file._text, results.read_json, study.read_rows, rim_shape.read_grid,
+    specimen.read, Record.read, planner.plan, study_file._text, files.read_json, study.read_rows, rim_shape.read_grid,
 ], ids=lambda f: f.__qualname__)
 def test_every_reader_opens_files_alone(odd, reader):
     """The same in Python."""

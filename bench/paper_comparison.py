@@ -37,7 +37,7 @@ def premises():
             ("ellipse", {"wave_generator.cam": "ellipse"}), ("rigid balls", {"bearing.balls": 0}))}
     found |= {f"loose drive, clearance {c} µm": {**DRIVE, **loose(c)} for c in (35, 38, 42, 45)}
     found |= {f"fine mesh, drive, clearance {c} µm": {**DRIVE, **loose(c), "mesh.divisions": 86, "mesh.band_facets": 10} for c in (40, 42)}
-    found |= {f"teeth as made, clearance {c} µm": {**DRIVE, **loose(c), "made": True} for c in (40,)}
+    found["teeth as made, clearance 40 µm"] = {**DRIVE, **loose(40), "made": True}
     found |= {f"rigid balls, clearance {c} µm{words}": {**DRIVE, **loose(c), "bearing.balls": 0, **keys} for c, words, keys in (
         (30, "", {}), (40, "", {}), (45, "", {}), (60, "", {}), (50, ", friction 0.3", {"contact.friction": 0.3}), (50, ", angle 30°", {"load.pressure_angle_deg": 30}))}
     found |= {f"cup held, clearance {c} µm": {**CUP, **loose(c)} for c in (-10, 0, 20, 50)}

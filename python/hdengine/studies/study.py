@@ -30,6 +30,7 @@ from .progress import Progress
 __all__ = ["Study", "StudyResult"]
 ROWS = ("torque", "last", "all")
 FIGURES = ("series", "catalogue")
+NO_TEXTS: dict[str, tuple[Any, str]] = {"torque": ((int, float), "numbers"), "relative": (object, "")}   # of a figure
 MOST_POINTS = 10**6
 CLEARANCE = "load.tooth_clearance"
 # keys in which a cup against its teeth differs from its contact, which does not feel the others
@@ -105,12 +106,13 @@ class Study:
         """Refuse what no table can be drawn by; which columns it has is known once a point is solved."""
         swept = (*self.together, *self.grid)
         for name, value in self.figure.items():
-            of, what = ((int, float), "numbers") if name == "torque" else (object if name == "relative" else str, "text")
+            of, what = NO_TEXTS.get(name, (str, "text"))
             for v in value if isinstance(value, (list, tuple)) and name in ("y", "torque", "panels") else [value]:
                 if not isinstance(v, of):
                     raise InputError(f"figure.{name} = {value!r}: must be {what}")
-                choices = FIGURES if name == "kind" else swept if name == "panels" or "." in str(v) else (v,)
-                if name != "torque" and v not in choices:
+                keyed = name == "panels" or isinstance(v, str) and "." in v
+                choices = FIGURES if name == "kind" else swept if keyed else (v,)
+                if v not in choices:
                     raise InputError(f"figure.{name} = '{v}': must be one of {', '.join(choices) or 'the swept keys'}")
 
     def _in_si(self, key, value):

@@ -98,10 +98,16 @@ contains
     type(body_t), intent(in) :: body             !< body
     real(dp), intent(in) :: f(:, :)              !< nodal forces (3, nodes) [N]
     real(dp), intent(in), optional :: u(:, :)    !< displacements, if the deformed body counts (3, nodes) [m]
-    real(dp) :: v(3, size(f, 2)), x(3, size(f, 2))
-    v = cartesian(body, f)
-    x = body%x
-    if (present(u)) x = x + cartesian(body, u)
-    m = sum(x(1, :)*v(2, :) - x(2, :)*v(1, :))
+    real(dp) :: q(3, 3), v(3), x(3)
+    integer :: i
+    m = 0
+    do i = 1, size(f, 2)
+      if (.not. any(abs(f(:2, i)) > 0)) cycle  ! most, where a tooth pushes
+      q = frame(body%angle(i))
+      v = matmul(q, f(:, i))
+      x = body%x(:, i)
+      if (present(u)) x = x + matmul(q, u(:, i))
+      m = m + x(1)*v(2) - x(2)*v(1)
+    end do
   end function axial_moment
 end module hd_body

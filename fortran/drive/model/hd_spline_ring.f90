@@ -88,10 +88,10 @@ contains
     type(scene_t), intent(in) :: scene  !< scene with an elastic circular spline
     real(dp) :: c(flanks_of(scene), flanks_of(scene)), radius, thickness
     type(spline_ring_t) :: ring
-    real(dp) :: theta(scene%tooth_pairs), along(2, 4), way(2, 2)
+    real(dp) :: theta(scene%tooth_pairs), along(2, 4), way(2, 2), ways(2, 2, scene%tooth_pairs)
     real(dp), allocatable :: given(:)
     real(dp), allocatable, save :: last_given(:), last_found(:, :)  ! drives that differ in other keys ask for the same
-    integer :: i, j, k, l, n
+    integer :: i, j, k, l, n, apart, half
     radius = scene%bore_radius + scene%rim_thickness
     thickness = merge(scene%spline_diameter/2, usual*scene%bore_radius, scene%spline_diameter > 0) - radius
     theta = tooth_angles(scene)
@@ -107,9 +107,13 @@ contains
       end if
     end if
     ring = new_spline_ring(radius, thickness, scene%rim_length, scene%flexspline_e, scene%flexspline_nu)
+    half = scene%tooth_pairs/2
+    ways = reshape([(ring_compliance(ring, theta(i) - theta(1)), i=1, scene%tooth_pairs)], shape(ways))
     do j = 1, scene%tooth_pairs
       do i = 1, scene%tooth_pairs
-        way = ring_compliance(ring, theta(i) - theta(j))
+        apart = modulo(i - 1, half) - modulo(j - 1, half)  ! in pitches: pairs stand alike at both ends
+        way = ways(:, :, 1 + abs(apart) + merge(half, 0, (i > half) .neqv. (j > half)))
+        if (apart < 0) way = way*reshape([1, -1, -1, 1], [2, 2])
         do l = 0, size(c, 2)/n - 1
           do k = 0, size(c, 1)/n - 1
             c(k*n + 2*i - 1:k*n + 2*i, l*n + 2*j - 1:l*n + 2*j) = matmul(transpose(along(:, 2*k + 1:2*k + 2)), &

@@ -94,12 +94,18 @@ contains
     integer, intent(in) :: first        !< nodes before the flexspline's
     type(strut_t) :: struts(flanks_of(scene))
     real(dp) :: line(3, body%nodes()), theta(scene%tooth_pairs), along(2, 4)
-    integer :: i, k, kind, n
+    logical :: outside(body%nodes())
+    integer, allocatable :: nodes(:)
+    integer :: i, kind, n
     n = 2*scene%tooth_pairs
     along = flank_directions(scene)
     theta = tooth_angles(scene)
+    outside = .false.
+    outside([rim%nodes]) = .true.
+    nodes = pack([(i, i=1, size(outside))], outside)
+    line = 0
     do i = 1, scene%tooth_pairs
-      line = 0
+      line(2, nodes) = 0
       call add_tooth(scene, body, rim, theta(i)/(2*pi), line(2, :))
       line(2, :) = line(2, :)*(scene%bore_radius + scene%rim_thickness)/axial_moment(body, line)
       do kind = 1, merge(4, 2, size(struts) > n)
@@ -107,7 +113,7 @@ contains
           strut%rate = scene%tooth_stiffness
           if (kind > 2) strut%rate = tangent_stiffness(scene)
           strut%power = 1
-          strut%node = pack([(k, k=1, body%nodes())], abs(line(2, :)) > 0)
+          strut%node = pack(nodes, abs(line(2, nodes)) > 0)
           allocate (strut%weight(3, size(strut%node)), source=0._dp)
           strut%weight(1, :) = along(1, kind)*line(2, strut%node)
           strut%weight(2, :) = along(2, kind)*line(2, strut%node)

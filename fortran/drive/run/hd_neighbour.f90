@@ -46,7 +46,7 @@ module hd_neighbour
     integer, allocatable :: loaded(:)                !< nodes with springs or nodal loads, of a whole one
     logical :: rough = .false.                       !< the joint or its friction may be another
     type(scene_t) :: scene
-    type(drive_t) :: drive                           !< unless it is idle
+    type(drive_t), allocatable :: drive              !< unless it is idle
     type(joint_t) :: joint
   end type neighbour_t
 
@@ -62,6 +62,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< mesh, joint
     type(string_t), intent(in), optional :: only(:)   !< keys that are wanted; those that hold forces come with them
     type(scene_t), target :: copy
+    type(drive_t), allocatable :: spare
     type(parameter_table_t) :: table
     integer, allocatable :: rows(:)
     logical :: felt, fits, wanted
@@ -78,7 +79,7 @@ contains
         if (present(only)) wanted = any(p%unit == of_force) .or. any([(p%group//'.'//p%key == only(j)%s, j=1, size(only))])
       end associate
       if (.not. wanted) cycle
-      call change_key(scene, rows(i), felt, drive, joint, of(keys + 1), fits, error)
+      call change_key(scene, copy, table, rows(i), felt, drive, joint, spare, of(keys + 1), fits, error)
       if (allocated(error)) return
       if (fits) keys = keys + 1
     end do
@@ -105,25 +106,26 @@ contains
 
   !> The drive with a key changed, upwards if that is valid and can be meshed. What is read at the torque of a step is read on the
   !> side that a larger torque of the steps leaves it on: downwards.
-  subroutine change_key(scene, row, felt, drive, joint, other, fits, error)
+  subroutine change_key(scene, moved, table, row, felt, drive, joint, spare, other, fits, error)
     type(scene_t), intent(in) :: scene                !< of the run
+    type(scene_t), intent(inout), target :: moved     !< the table's, gets the change
+    type(parameter_table_t), intent(inout) :: table   !< its keys
     integer, intent(in) :: row                        !< of the table
     logical, intent(in) :: felt                       !< the joint counts
     type(drive_t), intent(in) :: drive                !< of the run
     type(joint_t), intent(in) :: joint                !< of the run
+    type(drive_t), allocatable, intent(inout) :: spare  !< a copy of the drive, but for what renew_drive sets, if there is one
     type(neighbour_t), intent(out) :: other           !< neighbour
     logical, intent(out) :: fits                      !< it is valid, on the same mesh
     type(error_t), allocatable, intent(out) :: error  !< joint
-    type(scene_t), target :: moved
-    type(parameter_table_t) :: table
     type(string_t), allocatable :: faults(:)
     type(error_t), allocatable :: refused
+    type(drive_t), allocatable :: light
     real(dp) :: value
-    logical :: law
+    logical :: law, renewed
     integer :: try, side
     do try = 1, -1, -2
       moved = scene
-      call new_table(moved, table)
       associate (p => table%rows(row))
         other%key%s = p%group//'.'//p%key
         side = try
@@ -160,12 +162,15 @@ contains
         other%rough = any(p%group == [character(len=8) :: 'material', 'joint', 'contact'])
         if (law) call scene_joint(moved, other%joint, error, scene, joint)
         if (allocated(error) .or. other%idle) return
-        other%whole = p%stage(scene%formed(), .not. scene%hard()) == stage_model
-        if (other%whole) then
-          call new_drive(moved, other%drive, refused, alike=.true.)
-        else
-          other%drive = drive
+        renewed = p%stage(scene%formed(), .not. scene%hard()) < stage_model
+        if (renewed) then
+          if (.not. allocated(spare)) spare = drive
+          call move_alloc(spare, other%drive)
           call renew_drive(moved, other%drive, refused)
+        else
+          if (allocated(other%drive)) deallocate (other%drive)
+          allocate (other%drive)
+          call new_drive(moved, other%drive, refused, alike=.true.)
         end if
         fits = .not. allocated(refused)
         if (.not. fits) cycle
@@ -176,21 +181,23 @@ contains
         if (allocated(error)) return
         fits = same_mesh(other%drive, drive)
         if (.not. fits) cycle
-        if (other%whole) other%bodies = .not. same_bodies(other%drive, drive)
-        other%whole = other%bodies
-        call compare_drives(scene, drive, other, law)
+        if (.not. renewed) other%bodies = .not. same_bodies(other%drive, drive)
+        call compare_drives(scene, drive, other, law, light)
+        if (.not. allocated(light)) return
+        if (renewed) call move_alloc(other%drive, spare)
+        call move_alloc(light, other%drive)
         return
       end associate
     end do
   end subroutine change_key
 
-  !> Find what of a drive is another's; of one with the run's bodies nothing else is kept.
-  subroutine compare_drives(scene, drive, other, law)
+  !> Find what of a drive is another's; of one with the run's bodies nothing else need be kept.
+  subroutine compare_drives(scene, drive, other, law, light)
     type(scene_t), intent(in) :: scene           !< of the run
     type(drive_t), intent(in) :: drive           !< of the run
     type(neighbour_t), intent(inout) :: other    !< neighbour
     logical, intent(in) :: law                   !< its joint may be another
-    type(drive_t) :: light
+    type(drive_t), allocatable, intent(out) :: light  !< that, unless it is whole
     logical :: felt(3, size(drive%assembly, 2))
     integer :: i
     felt = drive%problem%fixed .or. drive%problem%spring > 0
@@ -223,6 +230,7 @@ contains
         any(abs(other%drive%torque) + abs(other%drive%squeeze) > 0, 1))
       return
     end if
+    allocate (light)
     light%balls = drive%balls
     light%flanks = drive%flanks
     light%interference = other%drive%interference
@@ -233,7 +241,6 @@ contains
       light%problem%strut_rate = other%drive%problem%strut_rate
       if (allocated(drive%problem%strut_give)) light%problem%strut_give = other%drive%problem%strut_give
     end if
-    other%drive = light
   end subroutine compare_drives
 
   !> Two drives have the same mesh but for small shifts of its nodes.

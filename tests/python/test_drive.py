@@ -252,6 +252,13 @@ def test_points_that_all_slip_are_said(exe, tmp_path):
         assert "all of its contact (" in told and "bearing.cage_angle_deg" in told and "raise solver.max_iterations" not in told
 
 
+def test_a_tolerance_below_rounding_is_named(exe, tmp_path):
+    """A residual cannot fall to 1e-14 of its parts: the message blames the tolerance, not the contact states."""
+    done = call(exe, ROOT / "data/cd14.nml", "mesh.divisions=24", "mesh.band_facets=4", "solver.tolerance=1e-14", "--out", tmp_path / "r", "-q")
+    assert done.returncode == 4 and "which is rounding" in done.stderr and done.stderr.rstrip().endswith("Raise solver.tolerance above it")
+    assert "raise solver.max_iterations" not in done.stderr
+
+
 def test_a_rigid_cam_takes_its_moment(exe, tmp_path):
     """Without balls the ring's face presses on the slopes of the cam: a small part of the torque, of the sign and near the size of
     that on balls. A ring that the cam holds tangentially puts nearly all of the torque on it, and the run warns."""

@@ -37,6 +37,7 @@ module hd_load_step
   real(dp), parameter :: unbalanced = 1e-2_dp   !< share of the torque out of balance that is refused,
   real(dp), parameter :: of_pressure = 1e-6_dp  !< beyond rounding: this of normal force times radius
   real(dp), parameter :: used_up = 1.003_dp  !< capacity of friction over the torque at which no further part is worth a trial
+  real(dp), parameter :: rounding = 1e-10_dp  !< residual, relative, that a failed iteration stood at for rounding alone
   integer, parameter :: few_iterations = 10  !< after so few the next part of a load step may be twice as long
 
 contains
@@ -329,7 +330,7 @@ contains
 
   !> What Newton's iterations tell, for the verbose log and for a message where they fail.
   subroutine note_iterations(run, history)
-    type(run_t), intent(inout) :: run            !< gets period, loose_points
+    type(run_t), intent(inout) :: run            !< gets period, least, loose_points
     type(iteration_t), intent(in) :: history(:)  !< iterates
     character(len=80) :: line
     integer :: i
@@ -339,6 +340,7 @@ contains
       call detail(trim(line))
     end do
     run%period = maxval(history%period)
+    run%least = minval(history%residual, history%residual > 0)
     if (run%period > 0) run%tally%cycles = run%tally%cycles + 1
     associate (last => history(size(history)))
       run%loose_points = merge(last%slip, 0, last%stick == 0)
@@ -403,6 +405,10 @@ contains
     end if
     if (run%scene%support%struts .and. run%scene%large() .and. run%scene%frictionless()) advice = '. '// &
       "Without friction nothing resists the ring's turn: give contact.friction, or solver.kinematics = 'linear'"
+    if (run%least < rounding) then
+      cause = 'the residual stands at '//rounded(run%least)//', which is rounding,'
+      advice = '. Raise solver.tolerance above it'
+    end if
     if (proportional(run) .and. len(advice) == 0) tries = tries//' (raise solver.max_iterations)'
     call raise(error, code_not_converged, cause//' in the '// &
       trim(merge('assembly', 'torque  ', run%place < assembled(run%scene)))//' step beyond load factor '// &

@@ -104,10 +104,11 @@ def test_log_states_what_a_bench_measures(exe, tmp_path):
     assert "K1 " in line and "K3 " in line and "hysteresis " in line and "NaN" not in done.stdout
 
 
-@pytest.mark.parametrize("keys", [[], ["contact.law=joint", "contact.friction=3", "wave_generator.clearance=9e-6"]])
+@pytest.mark.parametrize("keys", [[], ["contact.law=joint", "contact.friction=3", "wave_generator.clearance=9e-6"],
+                                  ["bearing.balls=0", "wave_generator.ball_stiffness=1e8"]])
 def test_energy_balances(exe, tmp_path, keys):
-    """Work of the torque = friction's heat + change of the stored energy, that of a rough joint included, to 1 % over the loop; steps are finer
-    about no torque. Friction gives nothing back."""
+    """Work of the torque = friction's heat + change of the stored energy, that of a rough joint or an even spring in the place of the balls
+    included, to 1 % over the loop; steps are finer about no torque. Friction gives nothing back."""
     _, loop, _, _ = solve(exe, tmp_path / "e", "loop.torques=1,14,1,-1,-14,-1,0", "load.torque_steps=10", *keys)
     assert loop["dissipated_j"][-1] > 0 and np.all(np.diff(loop["dissipated_j"]) > -1e-12)
     left = loop["work_j"] - loop["stored_j"] - loop["dissipated_j"]

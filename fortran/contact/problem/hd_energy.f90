@@ -10,7 +10,7 @@ module hd_energy
 
 contains
 
-  !> Energy that bodies and struts store [J].
+  !> Energy that bodies, springs, whose far ends a load may move radially, and struts store [J].
   real(dp) function stored_energy(problem, load, u) result(e)
     type(problem_t), intent(in) :: problem  !< problem with struts
     type(load_t), intent(in) :: load        !< load
@@ -25,6 +25,7 @@ contains
       call elastic_forces(problem, u, f)
       e = sum(u*f)/2
     end if
+    e = e + sum(problem%spring(1, :)*load%displacement(1, :)*(load%displacement(1, :)/2 - u(1, :)))
     force = forces_at(problem, load, closing)
     n = size(closing)
     if (allocated(problem%rub)) n = n - size(problem%rub%partner)

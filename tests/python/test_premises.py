@@ -73,6 +73,13 @@ def test_where_there_is_no_tangent():
     assert last[TANGENT] == pytest.approx(last[OVER], rel=0.01)
 
 
+def test_no_friction_by_mode_or_by_coefficient():
+    """Faces that are frictionless by contact.mode have every number of faces whose coefficient is 0: no friction capacity, no shear in Eq. 45."""
+    mode, none = (sums(wave_generator__ring_tangent="follow", **keys)[-1] for keys in ({"contact__mode": "frictionless"}, {"contact__friction": 0.0}))
+    for name in ("friction", "friction_capacity_nm", "k_ts_nm_per_rad", "k_ts_paper_n", TANGENT, "rotation_rad", "normal_force_n"):
+        assert mode[name] == pytest.approx(none[name], rel=1e-6), name
+
+
 def test_tangent_settles_with_the_mesh_faster_than_eq_45():
     """From 48 x 8 to 96 x 16 facets the tangent moves by less than 2 %, K_TS by Eq. 45 by more (24 x 4 is 8 % off with a sliding ring)."""
     coarse, fine = (sums(mesh__divisions=n, mesh__band_facets=m)[-1] for n, m in ((48, 8), (96, 16)))

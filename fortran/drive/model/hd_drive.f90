@@ -402,11 +402,12 @@ contains
     end associate
   end subroutine load_rim
 
-  !> Coulomb coefficient of a load step.
+  !> Coulomb coefficient of a load step; 0 where the contact takes no shear.
   pure real(dp) function step_friction(scene, loaded) result(friction)
     type(scene_t), intent(in) :: scene    !< scene
     logical, intent(in) :: loaded         !< by the torque, else in the assembly
     friction = merge(scene%torque_friction, scene%friction, loaded .and. scene%torque_friction > 0)
+    if (scene%frictionless()) friction = 0
   end function step_friction
 
   !> Load at a fraction of the assembly and a torque, which the whole drive has at its bottom, others on the rim.

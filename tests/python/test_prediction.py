@@ -152,6 +152,18 @@ def test_cosine_spectrum_is_parsevals():
     assert plain.h_rms == pytest.approx(facts["h_rms_m"], rel=0.02)
 
 
+@pytest.mark.parametrize("longest", [np.inf, 256e-6])
+def test_larger_maps_have_the_same_law(longest):
+    """Heights and spacing times s leave the pressures and divide stiffness and band by s, whatever rounding makes of the waves that lie an
+    octave apart, or at the longest one that counts."""
+    z = rough(256, 0.7, 400, 6, 3)
+    pressure = np.geomspace(1e6, 1e9, 9)
+    one, *others = (predict((s * z, s * 1e-6), pressure=pressure, longest=s * longest, model="spectrum", draws=20) for s in (1, 1.3, 3, 7))
+    for other, s in zip(others, (1.3, 3, 7)):
+        for name in ("k_n_pa_per_m", "k_n_pa_per_m_low", "k_n_pa_per_m_high"):
+            np.testing.assert_allclose(s * other.table[name], one.table[name], rtol=1e-7, err_msg=name)
+
+
 def test_facts_of_a_map():
     """A lay, noise and holes are seen; a wave against its own direction too."""
     z = rough(128, 0.8, 32, 8, 3)

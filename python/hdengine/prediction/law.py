@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _engine
-from .._check import array, checked, flag, function, integer, kind, number, optional, text
+from .._check import ROUNDING, array, checked, flag, function, integer, kind, number, optional, text
 from .._check import path as a_path
 from .._engine import InputError
 from .._types import PathLike
@@ -21,7 +21,7 @@ from ..surfaces.specimen import Specimen
 from . import half_space, patches
 from .bodies import Bodies
 from .choice import LAY, choose, doubts, half_width_of, scatter_of
-from .spectrum import Spectrum, bands, of_map, of_sum
+from .spectrum import PER_OCTAVE, Spectrum, bands, numbers, of_map, of_sum
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -225,7 +225,7 @@ def predict(*maps: Specimen | tuple, pressure: ArrayLike = PRESSURES, model: str
     elif model:
         wanted, reason = model, "asked for" if model == wanted else f"asked for ({wanted} advised: {reason})"
     rises = not whole["rolls_off"]   # a contact larger than the map has longer waves in any case
-    longer = (rises or bool(loaded and loaded > one_map)) and longest > min(_length(m) for m in pairs)
+    longer = (rises or bool(loaded and loaded > one_map)) and longest > (1 + ROUNDING) * min(_length(m) for m in pairs)
     notes = _notes(facts, spectrum, rises, longer)
     if loaded is not None:
         notes += (f"band of a contact of {1e6 * loaded:.3g} mm^2, {loaded / one_map:.3g} times the map",)
@@ -313,7 +313,7 @@ def _facts_of(pairs, names, longest):
             found.append(of_map(*m))
         except InputError as why:
             raise InputError(f"{name}: {why}") from None
-        found[-1][1]["rolls_off"] |= longest < _length(m) / ROLLED
+        found[-1][1]["rolls_off"] |= longest < (1 - ROUNDING) * _length(m) / ROLLED
         slope = found[-1][1]["slope_rms"]
         if slope > UNIT:
             raise InputError(f"{name} has a slope of {slope:.3g} (rms): heights or spacing are in another unit than m; valid: "
@@ -412,7 +412,7 @@ def _longer(spectrum, least, most):
     q, h = spectrum.q, spectrum.height_variance
 
     def octave(n):
-        return h[(q >= 2**n * q[0]) & (q < 2 ** (n + 1) * q[0])].sum()
+        return h[numbers(q) // PER_OCTAVE == n].sum()
 
     growth = min(max((octave(1) + octave(2)) / max(octave(2) + octave(3), np.finfo(float).tiny), least), most)
     below = max(octave(1), octave(2) * growth)

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from .._check import ROUNDING
 from .._engine import StoppedError
 from ..elastic.law import contact_from_spectrum
 from ..surfaces.composite import resample
@@ -224,5 +225,5 @@ def _shortened(z, spacing, longest):
     n, m = z.shape
     h = np.fft.fft2(half_space.mirrored(z))
     q = np.hypot(*np.meshgrid(np.fft.fftfreq(2 * n, spacing[0]), np.fft.fftfreq(2 * m, spacing[1]), indexing="ij"))
-    h[q < 1 / longest] = 0
+    h[q < (1 - ROUNDING) / longest] = 0
     return np.fft.ifft2(h).real[:n, :m]

@@ -76,7 +76,7 @@ class Spectrum:
         """
         q, h, modes = (np.concatenate([getattr(s, name) for s in (self, other)]) for name in ("q", "height_variance", "modes"))
         both = bands(q, h, modes)
-        place = np.split(np.unique(_numbers(q), return_inverse=True)[1], [len(self.q)])
+        place = np.split(np.unique(numbers(q), return_inverse=True)[1], [len(self.q)])
         share, m, f = (np.stack([np.bincount(at, getattr(s, name), len(both.q)) for at, s in zip(place, (self, other))])
                        for name in ("height_variance", "modes", "freedom"))
         share = share / np.maximum(both.height_variance, _TINY)
@@ -95,7 +95,8 @@ class Spectrum:
         InputError
             Fewer than two bands are left.
         """
-        keep = (2 * np.pi / self.q <= longest) & (2 * np.pi / self.q >= shortest)
+        length = 2 * np.pi / self.q
+        keep = (length <= longest * (1 + ROUNDING)) & (length >= shortest * (1 - ROUNDING))
         if keep.sum() < 2:
             raise InputError(f"wavelengths from {shortest:g} to {longest:g} m hold {keep.sum()} bands of the spectrum; valid: two "
                              f"or more of those from {2 * np.pi / self.q[-1]:.3g} to {2 * np.pi / self.q[0]:.3g} m (--longest)")
@@ -105,15 +106,15 @@ class Spectrum:
 def bands(q: np.ndarray, variance: np.ndarray, modes: np.ndarray | None = None) -> Spectrum:
     """Spectrum of single waves, or of spectra set side by side, gathered in narrow bands."""
     modes = np.ones(len(q)) if modes is None else modes
-    number = _numbers(q)
+    number = numbers(q)
     h, m, qh, qm = (np.bincount(number, x) for x in (variance, modes, q * variance, q * modes))
     filled = m > 0
     h, m, qh, qm = h[filled], m[filled], qh[filled], qm[filled]
     return Spectrum(np.where(h > 0, qh / np.where(h > 0, h, 1), qm / m), h, m)
 
 
-def _numbers(q):
-    """Numbers of the bands of wavenumbers."""
+def numbers(q: np.ndarray) -> np.ndarray:
+    """Numbers of the bands of wavenumbers, the lowest 0; those of waves that lie an octave apart differ by PER_OCTAVE."""
     return np.rint(np.log2(q / q.min()) * PER_OCTAVE).astype(int)
 
 

@@ -56,7 +56,9 @@ def read_summary(folder: PathLike, *needed: str) -> dict:
         raise FileError(f"'{folder}' holds {what}")
     if "scene" in needed and read_json(path).get("kind") == "surface":
         raise FileError(f"'{folder}' holds a run of surfaces: read it by hdengine.SurfaceResult")
-    found = read_json(path, *needed, "checksum", "checksums")
+    found = read_json(path, *needed)
+    if not {"checksum", "checksums"} <= found.keys():
+        raise FileError(f"'{path}' has no checksums: it is of an earlier hdengine, or was changed: run it again")
     if checksum(path, path.read_bytes().rfind(b',\n  "checksum": ')) != found["checksum"]:
         raise _changed(path)
     return _Entries(found, f"'{path}'")

@@ -2,6 +2,8 @@
 !> Flat entries for Python: the process around the runs. Locks of folders, signals, the log, forks.
 module f2py_process
   use, intrinsic :: iso_c_binding, only: c_int
+  use, intrinsic :: iso_fortran_env, only: int64
+  use hd_checksum, only: file_checksum, hexadecimal
   use hd_error, only: error_t, raise, code_internal
   use hd_named_values, only: names_of
   use hd_status, only: tell, hand_over
@@ -11,8 +13,8 @@ module f2py_process
   use hd_log, only: keep_log, set_log_level, normal, take_line
   implicit none
   private
-  public :: value_names, folder_lock, folder_unlock, signals_watch, signals_unwatch, signals_list, engine_begin, log_take, &
-    fork_child
+  public :: value_names, checksum_of, folder_lock, folder_unlock, signals_watch, signals_unwatch, signals_list, engine_begin, &
+    log_take, fork_child
 
 contains
 
@@ -25,6 +27,18 @@ contains
     if (.not. allocated(error)) call hand_over(names_of(list))
     call tell(error, status)
   end subroutine value_names
+
+  !> Checksum of the first bytes of a file, of all where `bytes` is -1; blank: it cannot be read.
+  subroutine checksum_of(path, bytes, text)
+    character(len=*), intent(in) :: path
+    integer(c_int), intent(in) :: bytes
+    character(len=16), intent(out) :: text
+    !f2py threadsafe
+    integer(int64) :: sum
+    integer :: status
+    call file_checksum(path, int(bytes, int64), sum, status)
+    text = merge(hexadecimal(sum), repeat(' ', len(text)), status == 0)
+  end subroutine checksum_of
 
   !> Lock a folder for one writer.
   subroutine folder_lock(folder, handle, status)

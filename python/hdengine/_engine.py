@@ -12,19 +12,26 @@ from typing import Any
 
 import numpy as np
 
+MOST_THREADS = 1024   # as in hd_system.c
+
 
 def _load() -> Any:
-    """Entries of the extension. Its threads soon sleep while they wait (hd_system.c), unless the environment says otherwise."""
-    waits = {"OMP_WAIT_POLICY": "passive", "GOMP_SPINCOUNT": "1000"}
-    sets = not waits.keys() & os.environ.keys()
-    if sets:
-        os.environ.update(waits)
+    """Entries of the extension. Its threads soon sleep while they wait (hd_system.c), unless the environment says otherwise; OpenMP
+    ends the process where it asks for a hundred thousand."""
+    sets = {"OMP_WAIT_POLICY": "passive", "GOMP_SPINCOUNT": "1000"}
+    if sets.keys() & os.environ.keys():
+        sets = {}
+    threads = os.environ.get("OMP_NUM_THREADS", "")
+    if threads.isdecimal() and int(threads) > MOST_THREADS:
+        sets["OMP_NUM_THREADS"] = str(MOST_THREADS)
+    before = {name: os.environ.get(name) for name in sets}
+    os.environ.update(sets)
     try:
         from . import _hdengine as extension  # type: ignore[attr-defined]  # compiled
     finally:
-        if sets:
-            for name in waits:
-                del os.environ[name]
+        for name, value in before.items():
+            del os.environ[name]
+            os.environ.update({} if value is None else {name: value})
     modules = [module for name, module in vars(extension).items() if name.startswith("f2py_")]
     entries = SimpleNamespace(**{name: entry for module in modules for name, entry in vars(module).items()})
     entries.engine_begin()
@@ -209,6 +216,11 @@ def _forward_log(wanted):
         if wanted:
             _logger.info("%s", line.decode(errors="replace").rstrip())
         line, found = _hdengine.log_take()
+
+
+def checksum(path: str | os.PathLike, size: int = -1) -> str:
+    """Checksum of the first bytes of a file, of all by default; '' where it cannot be read. Waits for no run."""
+    return _hdengine.checksum_of(os.fsencode(os.path.realpath(path)), size).decode().strip()
 
 
 def stop_signals() -> list[int]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import importlib.util
+import logging
 import os
 import re
 import signal
@@ -19,7 +20,7 @@ import numpy as np
 from . import _engine, completion, drive
 from ._engine import EngineMemoryError, FileError, HdengineError, NotConvergedError, StoppedError
 from .catalogue import UNITS, rated_torque
-from .contact import Run, doubts, given_keys, read_scene
+from .contact import Run, doubts, given_keys, heard, read_scene
 from .export import command as export_command
 from .files import check_file, check_folder
 from .prediction import command as joint_command
@@ -82,7 +83,8 @@ def _run(args):
     if _run_surface_alone(args.input, out, args.force, keys):
         return _finish(out)
     try:
-        with Run(args.input, out, args.force, args.resume, args.allow_implausible, **keys) as run:
+        with contextlib.nullcontext() if args.quiet else heard(_ToScreen()), \
+                Run(args.input, out, args.force, args.resume, args.allow_implausible, **keys) as run:
             told = 0
             for step in run:
                 if args.verbose:
@@ -97,6 +99,14 @@ def _run(args):
         print(f"the steps that were solved are kept: hdengine plot {out}, hdengine report {out}", file=sys.stderr)
         raise
     return _finish(out)
+
+
+class _ToScreen(logging.Handler):
+    """Lines of the log that say what a run will take, as they come: the plan, mesh and matrix solver, first guesses."""
+
+    def emit(self, record):
+        if record.getMessage().lstrip().startswith(("plan ", "trial ", "mesh ", "solver ", "start ")):
+            print(record.getMessage(), flush=True)
 
 
 def _tell_iterations(out, told):
@@ -418,6 +428,7 @@ def _fill_streams():
 def main(argv: Sequence[str] | None = None) -> int:
     """Entry of the command; returns the exit code of hdengine.x."""
     _fill_streams()
+    os.environ["MPLBACKEND"] = "agg"   # figures are files; one that the environment names may not load, and no import says so well
     out, err, left = _Stream(sys.stdout), _Stream(sys.stderr), None
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:

@@ -306,6 +306,20 @@ class _ToBar(logging.Handler):
 
 
 @contextlib.contextmanager
+def heard(handler: logging.Handler) -> Iterator[None]:
+    """The lines of the engine's log go to a handler."""
+    logger = logging.getLogger("hdengine")
+    level = logger.level
+    logger.addHandler(handler)
+    logger.setLevel(min(logger.getEffectiveLevel(), logging.INFO))
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        logger.setLevel(level)
+
+
+@contextlib.contextmanager
 def follow(show: bool | None = None) -> Iterator[Callable[[int], None]]:
     """A bar over the load steps of runs, with the last line of the log beside it; yields what tells it how many there are.
 
@@ -322,16 +336,8 @@ def follow(show: bool | None = None) -> Iterator[Callable[[int], None]]:
     def expect(steps):
         shown.total = steps
         shown.refresh()
-    logger, handler = logging.getLogger("hdengine"), _ToBar(shown)
-    level = logger.level
-    logger.addHandler(handler)
-    logger.setLevel(min(logger.getEffectiveLevel(), logging.INFO))
-    try:
+    with contextlib.closing(shown), heard(_ToBar(shown)):
         yield expect
-    finally:
-        logger.removeHandler(handler)
-        logger.setLevel(level)
-        shown.close()
 
 
 def run(path: PathLike | None = "", out: PathLike = "run.out", force: bool = False, resume: bool = False,

@@ -17,12 +17,12 @@ from . import _engine, torsion
 from ._check import checked, flag, integer, integers, package, seen
 from ._check import path as a_path
 from ._check import text as a_text
-from ._engine import FileError, InputError, NotConvergedError
+from ._engine import InputError, NotConvergedError
 from ._types import PathLike
 from .elastic import ElasticJoint, joint_of_scene
 from .files import write_files
 from .joint import Joint
-from .summary_file import read_summary
+from .summary_file import read_summary, written
 from .table_file import read_csv
 from .views.labels import LOOP
 
@@ -118,33 +118,25 @@ class Result:
     def __init__(self, folder: PathLike) -> None:
         self.folder = Path(folder)
         self.summary = read_summary(folder, "title", "status", "scene", "results", "model", "joint", "warnings")
-        self.steps = read_csv(self.folder / "steps.csv", "step", "torque_nm", "load_factor")
-        self.history = read_csv(self.folder / "history.csv", "iteration", "residual")
-        steps = self.steps["step"]
-        if steps.dtype.kind != "i" or (np.diff(steps) <= 0).any():
-            raise FileError(f"'{self.folder / 'steps.csv'}' is not what hdengine writes: the steps do not rise from row to row")
-        self._check_summary_of_steps()
+        self._whole: set[str] = set()   # tables that are known to be as the run left them
+        self.steps = self._table("steps", "step", "torque_nm", "load_factor")
+        self.history = self._table("history", "iteration", "residual")
         self._facets: dict[int, dict] = {}   # of the steps that were asked for alone
         #: rows of steps.csv whose facets contact.csv holds
         self._held = range(len(self.steps))
         if self.scene.get("output.contact") == "last":
-            row = int(np.flatnonzero(self.steps["step"] == read_csv(self.folder / "contact.csv", "step")["step"][-1])[0])
+            row = int(np.flatnonzero(self.steps["step"] == self._table("contact", "step")["step"][-1])[0])
             self._held = range(row, row + 1)
         last = self.contact_at(self._held[-1])
         self.shape = int(last["i_theta"][-1]), int(last["i_z"][-1])
 
-    def _check_summary_of_steps(self):
-        """Refuse a summary and a steps.csv that are not of one run: its results are a row of the table, digit for digit."""
-        results, steps = self.summary["results"], self.steps
-        if results["steps"] != len(steps):
-            raise FileError(f"'{self.folder}': steps.csv has {len(steps)} rows, summary.json {results['steps']} load steps")
-        rows = np.ones(len(steps), bool)
-        for name in (n for n in steps.dtype.names or () if n in results and n != "iterations"):   # those of all steps
-            value = np.nan if results[name] is None else results[name]
-            rows &= (steps[name] == value) | (steps[name] != steps[name])   # a run that stops finds its tangent behind the table
-            if not rows.any():
-                raise FileError(f"'{self.folder}': {name} = {value:.17g} in summary.json is not that of the same row of steps.csv "
-                                "as the results before it: one of the two was changed")
+    def _table(self, name, *needed, step=None):
+        """A table of the run, which is as the run left it."""
+        path = self.folder / f"{name}.csv"
+        if name not in self._whole:
+            written(self.folder, path.name, self.summary)
+            self._whole.add(name)
+        return read_csv(path, *needed, step=step)
 
     @functools.cached_property
     def contact(self) -> dict:
@@ -155,24 +147,12 @@ class Result:
         InputError
             It holds one step alone (output.contact = 'last').
         """
-        path, facets = self.folder / "contact.csv", self.shape[0] * self.shape[1]
+        facets = self.shape[0] * self.shape[1]
         if len(self._held) < len(self.steps):
-            raise InputError(f"'{path}' holds one load step (output.contact = 'last'): valid is contact_at({self._held[0]})")
-        table = read_csv(path, *_OF_FACETS)
-        if len(table) != facets * len(self.steps):
-            raise FileError(f"'{path}' has {len(table)} rows: must be {facets} facets times {len(self.steps)} load steps")
-        self._check_facets(table)
+            raise InputError(f"'{self.folder / 'contact.csv'}' holds one load step (output.contact = 'last'): valid is "
+                             f"contact_at({self._held[0]})")
+        table = self._table("contact", *_OF_FACETS)
         return {name: table[name].reshape(-1, facets) for name in table.dtype.names or ()}
-
-    def _check_facets(self, table):
-        """Refuse rows of contact.csv that are not those of whole load steps."""
-        steps, facet, around, along = (table[name] for name in ("step", "facet", "i_theta", "i_z"))
-        count, rows = int(facet.max()), [*dict.fromkeys(steps.tolist())]
-        if len(table) != count * len(rows) or (steps != np.repeat(rows, count)).any() \
-                or not np.isin(rows, self.steps["step"]).all() or (facet != (around - 1) * along.max() + along).any() \
-                or (facet != np.tile(np.arange(1, count + 1), len(rows))).any():
-            raise FileError(f"'{self.folder / 'contact.csv'}' is not what hdengine writes: a load step of {rows[0]} to "
-                            f"{rows[-1]} has not each of its facets once, in their order")
 
     def _row(self, step):
         """Row of a load step, counted from 0, or back from the end where negative."""
@@ -199,20 +179,9 @@ class Result:
             if len(self._facets) == KEPT:
                 self._facets.clear()
             number = int(self.steps["step"][step])
-            table = read_csv(self.folder / "contact.csv", *_OF_FACETS, step=number)
-            self._check_facets(table)
+            table = self._table("contact", *_OF_FACETS, step=number)
             self._facets[step] = {name: table[name] for name in table.dtype.names or ()}
         return self._facets[step]
-
-    def _of_steps(self, name, which=()):
-        """A table with as many rows for each load step, of all or those of a mask; FileError where they do not fit to steps.csv."""
-        table = read_csv(self.folder / name)
-        steps = self.steps[which] if len(which) else self.steps
-        at = [c for c in ("step", "torque_nm", "load_factor") if c in (table.dtype.names or ())]
-        each = max(1, len(table) // max(1, len(steps)))
-        if len(at) < 3 or len(table) != each * len(steps) or any((table[c] != np.repeat(steps[c], each)).any() for c in at):
-            raise FileError(f"'{self.folder / name}' is not what hdengine writes: its load steps are not those of steps.csv")
-        return table
 
     @property
     def scene(self) -> dict:
@@ -232,27 +201,27 @@ class Result:
     @property
     def teeth(self) -> np.ndarray:
         """Force, share and closing of every flank of the teeth and torque step (teeth.csv), a structured array."""
-        return self._of_steps("teeth.csv", self.steps["phase"] == "torque")
+        return self._table("teeth")
 
     @property
     def loop(self) -> np.ndarray:
         """Torque, angle, energies and largest forces of every step of the whole drive (loop.csv), a structured array."""
-        return self._of_steps("loop.csv")
+        return self._table("loop")
 
     @property
     def balls(self) -> np.ndarray | None:
         """Force, share and closing of every ball and step (balls.csv), a structured array; None without balls."""
-        return self._of_steps("balls.csv") if (self.folder / "balls.csv").exists() else None
+        return self._table("balls") if (self.folder / "balls.csv").exists() else None
 
     @property
     def fatigue(self) -> np.ndarray:
         """Mean, amplitude and safety of the points of the flexspline's meridian (fatigue.csv), a structured array."""
-        return read_csv(self.folder / "fatigue.csv", "torque_nm", "safety")
+        return self._table("fatigue", "torque_nm", "safety")
 
     @property
     def turning(self) -> np.ndarray | None:
         """Turn and stiffness at each place of the wave generator (turning.csv), a structured array; None where it stands."""
-        return read_csv(self.folder / "turning.csv") if (self.folder / "turning.csv").exists() else None
+        return self._table("turning") if (self.folder / "turning.csv").exists() else None
 
     @property
     def torque_nm(self) -> np.ndarray:
@@ -332,7 +301,7 @@ class Result:
             The run has no such table.
         """
         pandas = package("pandas", "a frame", "tables")
-        return pandas.DataFrame(self.rows() if table == "steps" else read_csv(self.folder / f"{table}.csv"))
+        return pandas.DataFrame(self.rows() if table == "steps" else self._table(table))
 
     def dataset(self) -> Any:
         """The contact fields as an xarray.Dataset over step, theta_rad and band_z_m (needs xarray).

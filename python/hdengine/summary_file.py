@@ -1,19 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""summary.json of a run: its entries, each of its kind."""
+"""summary.json of a run, and the files whose checksums it holds."""
 from __future__ import annotations
 
 from pathlib import Path
 
-from ._check import seen
-from ._engine import FileError
+from ._check import input_file
+from ._engine import FileError, checksum
 from ._types import PathLike
 from .files import read_json
 
 __all__: list[str] = []
-_KINDS: dict[str, type] = {
-    **dict.fromkeys(("status", "message", "title"), str), **dict.fromkeys(("warnings", "spacing_m"), list),
-    **dict.fromkeys(("results", "joint", "model", "timers_s", "model_error", "k_ts_by_model", "provenance", "scene", "fits",
-                     "generator", "plan"), dict)}   # of what is in summary.json
 
 
 class _Entries(dict):
@@ -27,20 +23,22 @@ class _Entries(dict):
         raise FileError(f"{self._place} is not what hdengine writes: no entry {key}")
 
 
-def _check_summary(path, found):
-    """Refuse entries that are of another kind than hdengine writes."""
-    words: dict[type, str] = {str: "a text", list: "a list", dict: "an object"}
-    wrong = [(name, found[name], words[kind]) for name, kind in _KINDS.items() if not isinstance(found.get(name, kind()), kind)]
-    flat = {} if wrong else dict(found.get("results", {}))
-    for name in [name for name, value in flat.items() if isinstance(value, dict)]:
-        flat |= {f"{name}.{key}": value for key, value in flat.pop(name).items()}
-    wrong += [(f"results.{name}", value, "a number, or null") for name, value in flat.items()
-              if value is not None and (isinstance(value, bool) or not isinstance(value, (int, float)))]
-    texts = [] if wrong else [*found.get("warnings", []), *found.get("model_error", {}).get("left_out", [])]
-    wrong += [("warnings or model_error.left_out", value, "texts") for value in texts if not isinstance(value, str)]
-    if wrong:
-        name, value, what = wrong[0]
-        raise FileError(f"'{path}' is not what hdengine writes: {name} = {seen(value)}: must be {what}")
+def written(folder: PathLike, name: str, summary: dict) -> Path:
+    """Path of a file of a run, which is as the run left it.
+
+    Raises
+    ------
+    FileError
+        It is absent, or its checksum is not that in the summary of the run.
+    """
+    path = input_file(Path(folder) / name)
+    if checksum(path) != summary["checksums"].get(name):
+        raise _changed(path)
+    return path
+
+
+def _changed(path):
+    return FileError(f"'{path}' is not as the run left it (its checksum differs): run it again")
 
 
 def read_summary(folder: PathLike, *needed: str) -> dict:
@@ -59,5 +57,8 @@ def read_summary(folder: PathLike, *needed: str) -> dict:
     if "scene" in needed and read_json(path).get("kind") == "surface":
         raise FileError(f"'{folder}' holds a run of surfaces: read it by hdengine.SurfaceResult")
     found = read_json(path, *needed)
-    _check_summary(path, found)
+    if not {"checksum", "checksums"} <= found.keys():
+        raise FileError(f"'{path}' has no checksums: it is of an earlier hdengine, or was changed: run it again")
+    if checksum(path, path.read_bytes().rfind(b',\n  "checksum": ')) != found["checksum"]:
+        raise _changed(path)
     return _Entries(found, f"'{path}'")

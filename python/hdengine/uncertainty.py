@@ -456,7 +456,8 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
                          "Take joint.model='spectrum', or a load under which the faces touch")
     figures: dict = {}
     found: dict[str, Any]
-    curves, found = None, {"torque_nm": field.torque_nm, "k_ts_nm_per_rad": field.k_ts(), "joint": {}}
+    curves, found = None, {"run": result.summary["checksum"], "torque_nm": field.torque_nm, "k_ts_nm_per_rad": field.k_ts(),
+                           "joint": {}}
     table = result.scene["joint.model"] in ("table", "boundary_elements")   # no key of the joint moves it
     of_joint = ranges_of(result.scene, JOINT)
     ranges: dict = ranges_of(result.scene, DRIVE)
@@ -489,5 +490,6 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
         found |= {"indices": {}, "note": str(why)}
     if table:
         found["note"] = "the joint is a table: its own band counts, with --drive, and no key of &joint"
+    found["figures"] = sorted(figures)
     write_files({result.folder / name: content for name, content in (*figures.items(), ("sensitivity.json", json_text(found)))})
     return found

@@ -197,6 +197,16 @@ error: geometry.wall_thickness = 0.02
 error: geometry.hub_radius = 0.018
       valid: below bore_radius (0.0175)
 """),
+    "hub_that_is_a_point": ("&geometry hub_radius = 1e-300 /\n", 2, """\
+error: geometry.hub_radius = 1.0e-300
+      valid: at least a ten-thousandth of bore_radius, for a bottom that is held at a point turns freely (1.75e-6)
+hint: geometry.hub_radius = 1.0e-300 m is unusual: usual are 0.002 to 0.2 m
+"""),
+    "cells_without_end": ("&geometry cup_length = 200 /\n", 2, """\
+error: geometry.band_length = 0.012
+      valid: so long that less than 100000 cells as long as its facets lie along the cup, or mesh.wall_elements and mesh.bottom_elements given; above (0.0300014)
+hint: geometry.cup_length = 200.0 m is unusual: usual are 0.005 to 0.4 m; did you mean 0.2 m (200.0 mm)?
+"""),
     "band_beyond_cup": ("&geometry band_length = 30e-3 /\n", 2, """\
 error: geometry.band_length = 0.03
       valid: so that the band ends before the bottom: below cup_length - bottom_thickness - band_start (0.019)
@@ -246,6 +256,13 @@ def test_bad_file(exe, tmp_path, name):
         hdengine.Run(file)
     if expected is not None:
         assert str(caught.value) == expected.format(f=file, blank=" ").strip().removeprefix("error: ")
+
+
+def test_a_body_without_a_free_node(exe, tmp_path):
+    """A ring so thin that all its nodes lie on the wave generator is a body that nothing holds, code 5: it was read beyond its end."""
+    done = call(exe, ROOT / "data/cd14.nml", "mesh.divisions=16", "mesh.band_facets=3", "geometry.ring_thickness=1e-12", "--allow-implausible",
+                "--out", tmp_path / "r", env=os.environ | {"OMP_NUM_THREADS": "4"})
+    assert done.returncode == 5 and "a body is not held" in done.stderr, done
 
 
 def test_missing_file(exe, tmp_path):

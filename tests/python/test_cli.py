@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command hdengine: help with examples, plan, completion, sensitivity."""
 import json
+import os
 import re
+import shutil
 import subprocess
 import sys
 from importlib import metadata
@@ -167,6 +169,13 @@ def test_forms_of_run(tmp_path, monkeypatch, capsys):
         with pytest.raises(SystemExit) as end:
             cli.main(words)
         assert end.value.code == 2 and found in capsys.readouterr().err
+
+
+def test_run_says_what_it_will_take(tmp_path, capsys):
+    """Before the first load step of a planned run stand its trials, what they decide, and the size of the mesh: a fine one takes minutes."""
+    assert cli.main(["run", str(ROOT / "data/cd14.nml"), "run.tolerance=0.5", "load.torque_steps=1", "--out", str(tmp_path / "r")]) == 0
+    ahead = capsys.readouterr().out.split("\nstep ")[0]
+    assert all(re.search(words, ahead, re.M) for words in (r"^  trial .* facets", "^plan ", r"^mesh +\d+ dof"))
 
 
 def test_record_writes_a_folder(tmp_path, monkeypatch, capsys):
@@ -350,6 +359,13 @@ def test_figures_that_need_matplotlib(tmp_path, monkeypatch, capsys):
     assert cli.main(["report", str(tmp_path / "r")]) == 0
     assert cli.main(["plot", str(tmp_path / "r")]) == 2
     assert capsys.readouterr().err == "error: figures need matplotlib: pip install 'hdengine[plot]'\n"
+
+
+def test_figures_need_no_backend(small_run, tmp_path):
+    """A backend of matplotlib that is not there, as a notebook's in the environment of another Python, hinders no figure."""
+    run = shutil.copytree(small_run, tmp_path / "r")
+    done = subprocess.run([sys.executable, "-m", "hdengine", "plot", run], capture_output=True, text=True, env=os.environ | {"MPLBACKEND": "none"})
+    assert done.returncode == 0 and (run / "positions.png").exists(), done.stderr
 
 
 def test_program_starts_by_its_command(tmp_path):

@@ -270,11 +270,11 @@ def test_the_working_folder_may_change_between_steps(tmp_path, monkeypatch):
     assert claims(tmp_path / "a/r") and [p.name for p in tmp_path.iterdir()] == ["a"]
 
 
-@pytest.mark.parametrize("mb", [250, 450])
-def test_few_addresses_are_an_error(exe, tmp_path, mb):
-    """Under `ulimit -v` too small for the threads of the libraries each command ends at once, with code 6 and what is free."""
+@pytest.mark.parametrize("what, mb", [("AS", 250), ("AS", 450), ("DATA", 200)])
+def test_few_addresses_are_an_error(exe, tmp_path, what, mb):
+    """Under `ulimit -v` or `ulimit -d` too small for the threads of the libraries each command ends at once, with code 6 and what is free."""
     def limit():
-        resource.setrlimit(resource.RLIMIT_AS, (mb << 20, mb << 20))
+        resource.setrlimit(getattr(resource, f"RLIMIT_{what}"), (mb << 20, mb << 20))
     for words in ([exe, ROOT / "data/surface.nml", *SURFACE], [exe, CD14, *WORDS], [exe, ROOT / "data/surface.nml", *SURFACE, "surface.method=direct"]):
         done = subprocess.run([*map(str, words), "--out", tmp_path / "r", "--force"], capture_output=True, text=True, timeout=60, preexec_fn=limit,
                               env=os.environ | {"OMP_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "2"})

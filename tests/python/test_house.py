@@ -196,6 +196,12 @@ def test_bounds_have_names(path):
     assert [x for x in compared(path) if x not in COMMON] == []
 
 
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: p.stem)
+def test_formats_hold_no_small_i(path):
+    """Integers are written by I: the compiler's library compares capitals, and in a Turkish locale that of i is another letter."""
+    assert not re.findall(r"'\([^']*[(,\d]i\d", path.read_text())
+
+
 def test_main_is_short():
     """The main program stays under 50 lines."""
     assert len((ROOT / "fortran/app/main.f90").read_text().splitlines()) < 50

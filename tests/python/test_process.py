@@ -357,6 +357,21 @@ def test_small_stacks_and_many_threads(exe, tmp_path, limit, threads, code):
     done = subprocess.run(["bash", "-c", f"ulimit {limit} && exec '{exe}' '{ROOT}/data/cd14.nml' {keys} --out '{tmp_path}/r' -q"], text=True,
                           capture_output=True, env=os.environ | {"OMP_NUM_THREADS": threads}, timeout=120)
     assert done.returncode == code and ("ulimit -s" in done.stderr) == (code == 6)
+    if threads == "100000":
+        done = subprocess.run([sys.executable, "-m", "hdengine", "run", ROOT / "data/cd14.nml", *keys.split(), "--out", tmp_path / "p", "-q"],
+                              capture_output=True, env=os.environ | {"OMP_NUM_THREADS": threads}, timeout=120)
+        assert done.returncode == 0 and (tmp_path / "p/summary.json").exists(), done.stderr
+
+
+def test_a_turkish_locale(tmp_path):
+    """Where the capital of i is no I, a scene is solved from Python as elsewhere: the compiler's library took (i0) for no format."""
+    made = subprocess.run(["localedef", "-i", "tr_TR", "-f", "UTF-8", tmp_path / "tr_TR.UTF-8"], capture_output=True)
+    if not (tmp_path / "tr_TR.UTF-8/LC_CTYPE").exists():
+        pytest.skip(f"no Turkish locale: {made.stderr.decode()[:80]}")
+    keys = [f"{key}={value}" for key, value in SMALL.items()]
+    done = subprocess.run([sys.executable, "-m", "hdengine", "run", CD14, *keys, "--out", tmp_path / "r", "-q"], capture_output=True, text=True,
+                          env=os.environ | {"LC_ALL": "tr_TR.UTF-8", "LOCPATH": str(tmp_path)}, timeout=120)
+    assert done.returncode == 0 and not done.stderr, done.stderr
 
 
 def test_a_working_folder_that_is_gone(small_run, tmp_path):

@@ -59,6 +59,20 @@ def test_sensitivity_in_the_report(folder):
     assert "Uncertainty of K_TS" in (folder / "report.html").read_text() and (folder / "tornado_joint.png").exists()
 
 
+def test_what_an_earlier_run_left_is_not_shown(folder, tmp_path):
+    """After a run with another load in the same folder neither the sensitivity nor a figure of the one before stands in its report, whatever the
+    clock says."""
+    run = shutil.copytree(folder, tmp_path / "r")
+    assert len(hdengine.load(run).plot()) > 2
+    hdengine.run(folder / "echo.nml", run, True, load__torque=2.5, show=False)
+    for path in run.glob("*.png"):
+        os.utime(path, (4e9, 4e9))
+    before = {path.name: path.read_bytes() for path in run.glob("*.png")}
+    assert "Uncertainty of K_TS" not in hdengine.load(run).report(tmp_path / "r.html").read_text()
+    drawn = hdengine.load(run).plot()
+    assert len(drawn) > 2 and all(path.read_bytes() != before.get(path.name) for path in drawn)
+
+
 def test_sensitivity_shows_progress_to_its_end(folder):
     """Bands and indices are counted in tenths on standard error, up to all of them."""
     counts = re.findall(r"^(\d+)/(\d+), ", (folder / "progress.txt").read_text(), re.M)

@@ -61,7 +61,8 @@ AWAY = {  # every group of keys away from its default
 def numbers(value, place=""):
     """Every value of a summary by its path, without clocks, dates, memory and how the run came to its end."""
     if isinstance(value, dict):
-        skipped = ("timers_s", "provenance", "predicted", "peak_memory_mb", "resumed", "mesh_and_factors", "inner_iterations")
+        skipped = ("timers_s", "provenance", "predicted", "peak_memory_mb", "resumed", "mesh_and_factors", "inner_iterations",
+                   "checksums", "checksum")   # of tables with their clocks
         return {k: v for name, part in value.items() if name not in skipped for k, v in numbers(part, f"{place}.{name}").items()}
     return {place: value}
 

@@ -83,6 +83,7 @@ def test_table_holds_the_runs(tmp_path):
         assert [r["k_ts_nm_per_rad"] for r in rows] == pytest.approx([s.k_ts_nm_per_rad for s in steps], rel=1e-12)
         assert all(r["wave_generator.w"] == w for r in rows)
     assert len(result.select(torque_nm=5.0, wave_generator__w=0.2e-3)) == 1
+    assert {name for r in result.rows for name in r} == {"wave_generator.w", *small()._columns()}   # of which a figure is checked
     assert plot_study(result)[0].stat().st_size > 10000
 
 
@@ -269,6 +270,9 @@ def test_axes():
     ("[figure]\ny = 3\n", "figure.y = .3.: must be text.*s.toml"), ("[figure]\ntorque = 'a'\n", "figure.torque = .'a'.: must be numbers"),
     ("[figure]\nkind = 'pie'\n", "figure.kind = 'pie': must be one of series, catalogue"),
     ("[grid]\nload.torque = [1, 2]\n[figure]\nx = 'mesh.divisions'\n", "figure.x = 'mesh.divisions': must be one of load.torque"),
+    ("[study]\ntitle = 'a'\n[figure]\nx = 'torque'\n", "figure.x = 'torque': did you mean torque_nm.*must be one of point.*s.toml:4"),
+    ("[figure]\ny = ['k_ts_nm_per_rad',\n 'k_tss']\n", "figure.y = 'k_tss'.*s.toml:2"), ("[figure]\nlines = 'k9'\n", "figure.lines = 'k9'.*s.toml:2"),
+    ("[fixed]\nload.support = 'hub'\n[figure]\ny = 'k2_nm_per_rad'\n", "figure.y = 'k2_nm_per_rad'.*s.toml:4"),
     ("[fixed]\na.b = " + 5000 * "[" + "\n", "s.toml:2"), ("[fixed]\nmesh.divisions = " + 5000 * "9" + "\n", "s.toml:2"),
     ("[grid]\n" + "".join(f"a.b{i} = {[*range(100)]}\n" for i in range(4)), "100000000 points; valid: up to 1000000"),
 ])
@@ -285,11 +289,11 @@ def test_study_files(tmp_path):
     """Numbers, texts and lists of a TOML study arrive as they stand, dotted keys and tables alike; what is not UTF-8 is no study."""
     path = tmp_path / "s.toml"
     path.write_text("[grid]\nload.torque = [1, 2.5e-3]\n\"load.support\" = ['hub', \"bearing\"]\n[fixed]\noutput.positions = [0, 1e-3, 2e-3]\n"
-                    "mesh = {divisions = 16}\n[study]\nrows = 'last'\n[figure]\ny = ['a', 'b']\nx = 'c'\n")
+                    "mesh = {divisions = 16}\n[study]\nrows = 'last'\n[figure]\ny = ['friction', 'step']\nx = 'torque_nm'\n")
     study = Study.read(path)
     assert study.grid == {"load.torque": [1, 2.5e-3], "load.support": ["hub", "bearing"]} and list(study.grid)[0] == "load.torque"
     assert study.fixed == {"output.positions": [0, 1e-3, 2e-3], "mesh.divisions": 16} and study.rows == "last"
-    assert study.figure == {"y": ["a", "b"], "x": "c"} and study.title == "s"
+    assert study.figure == {"y": ["friction", "step"], "x": "torque_nm"} and study.title == "s"
     path.write_bytes(b"[study]\ntitle = '\xff'\n")
     with pytest.raises(hdengine.FileError, match="s.toml"):
         Study.read(path)

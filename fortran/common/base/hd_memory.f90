@@ -21,17 +21,18 @@ contains
   end function peak_memory_mb
 
   !> Memory for this process, with what it has already: what others leave of the machine, or less where a limit is set, as by a
-  !> batch system, a container or ulimit -v [MB].
+  !> batch system, a container, ulimit -v or ulimit -d [MB].
   real(dp) function free_memory_mb() result(free)
-    real(dp) :: limits(3)
+    real(dp) :: limits(4)
     integer :: threads
     limits(1) = number_behind('/proc/meminfo', 'MemAvailable:')*1024
     if (limits(1) > 0) limits(1) = limits(1) + number_behind('/proc/self/status', 'VmRSS:')*1024
     limits(2) = group_limit()
     limits(3) = number_behind('/proc/self/limits', 'Max address space')
+    limits(4) = number_behind('/proc/self/limits', 'Max data size')
     threads = 1
     !$ threads = omp_get_max_threads()
-    if (limits(3) > 0) limits(3) = max(bytes_per_mb, limits(3) - bytes_per_mb*(mapped + threads*mapped_per_thread))
+    where (limits(3:) > 0) limits(3:) = max(bytes_per_mb, limits(3:) - bytes_per_mb*(mapped + threads*mapped_per_thread))
     free = -1
     if (any(limits > 0)) free = minval(limits, limits > 0)/bytes_per_mb
   end function free_memory_mb

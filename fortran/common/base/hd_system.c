@@ -89,11 +89,12 @@ void hd_hold_stop(int on) { waits = on; }
 
 int hd_stop_requested(void) { return waits ? 0 : stop_requested; }
 
-/* The process may not take all addresses (ulimit -v). */
+/* The process may not take all addresses (ulimit -v, ulimit -d). */
 int hd_addresses_limited(void)
 {
-  struct rlimit limit;
-  return getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+  struct rlimit all, data;
+  return (getrlimit(RLIMIT_AS, &all) == 0 && all.rlim_cur != RLIM_INFINITY) ||
+         (getrlimit(RLIMIT_DATA, &data) == 0 && data.rlim_cur != RLIM_INFINITY);
 }
 
 /* 0: done or already there. */

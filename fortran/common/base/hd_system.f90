@@ -107,7 +107,7 @@ contains
     call c_hold(merge(1_c_int, 0_c_int, on))
   end subroutine hold_stop
 
-  !> The process may not take all addresses (ulimit -v): libraries that find none wait for ever.
+  !> The process may not take all addresses (ulimit -v, ulimit -d): libraries that find none wait for ever.
   logical function addresses_limited()
     addresses_limited = c_limited() /= 0
   end function addresses_limited

@@ -43,7 +43,7 @@ contains
     integer(int64), intent(in) :: i  !< number
     character(len=:), allocatable :: s
     character(len=24) :: buffer
-    write (buffer, '(i0)') i
+    write (buffer, '(I0)') i
     s = trim(buffer)
   end function long_text
 
@@ -121,7 +121,7 @@ contains
     first = 1 + scan(s(:min(1, len(s))), '+-')
     ok = len(s) >= first .and. len(s) <= range(i) .and. verify(s(first:), figures) == 0
     if (.not. ok) return
-    read (s, '(i20)', iostat=status) i
+    read (s, '(I20)', iostat=status) i
     ok = status == 0
   end subroutine whole_number
 
@@ -156,7 +156,7 @@ contains
       s = trim(buffer)
       return
     end if
-    write (form, '(a,i0,a)') '(es40.', digits - 1, 'e3)'
+    write (form, '(a,I0,a)') '(es40.', digits - 1, 'e3)'
     write (buffer, form) x
     buffer = adjustl(buffer)
     e = index(buffer, 'E')
@@ -165,10 +165,10 @@ contains
       s = s(:len(s) - 1)
     end do
     if (s(len(s):) == '.') s = s//'0'
-    read (buffer(e + 1:), '(i10)') e
+    read (buffer(e + 1:), '(I10)') e
     if (e == 0) return
     if (e >= smallest .and. e < largest) then
-      write (form, '(a,i0,a)') '(f0.', max(1, digits - 1 - e), ')'
+      write (form, '(a,I0,a)') '(f0.', max(1, digits - 1 - e), ')'
       write (buffer, form) x
       s = trim(buffer)
       do while (s(len(s):) == '0' .and. s(len(s) - 1:len(s) - 1) /= '.')

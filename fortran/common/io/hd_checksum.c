@@ -56,8 +56,8 @@ uint64_t hd_joined_checksum(uint64_t before, uint64_t sum, long long n)
   return before ^ sum;
 }
 
-/* Checksum of the first n bytes of a file, which go into a new file `copy` too unless that is empty. 0: done, -1: it cannot be
-   read or is shorter, else the system's error of writing. */
+/* Checksum of the first n bytes of a file, of all if n < 0, which go into a new file `copy` too unless that is empty. 0: done,
+   -1: it cannot be read or is shorter, else the system's error of writing. */
 int hd_file_checksum(const char *path, const char *copy, long long n, uint64_t *sum)
 {
   enum { piece = 1 << 17, pieces = 32 }; /* bytes that a thread takes, of so many that are read at once */
@@ -69,6 +69,7 @@ int hd_file_checksum(const char *path, const char *copy, long long n, uint64_t *
   if (!buffer) status = ENOMEM;
   if (!table[7][255]) fill_table();
   if (from < 0 || fstat(from, &s) != 0 || !S_ISREG(s.st_mode) || s.st_size < n) status = -1;
+  if (status == 0 && n < 0) n = s.st_size;
   if (status == 0 && *copy) {
     unlink(copy);
     if ((to = open(copy, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)) < 0) status = errno;

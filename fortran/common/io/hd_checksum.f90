@@ -7,6 +7,8 @@ module hd_checksum
   private
   public :: checksum, joined_checksum, file_checksum, hexadecimal
 
+  integer(int64), parameter, public :: whole = -1  !< bytes: all that a file has
+
   interface
     pure integer(c_long_long) function c_checksum(before, bytes, n) bind(c, name='hd_bytes_checksum')
       import :: c_char, c_long_long
@@ -40,7 +42,7 @@ contains
   !> Checksum of the first bytes of a file.
   subroutine file_checksum(path, bytes, sum, status, copy)
     character(len=*), intent(in) :: path            !< file
-    integer(int64), intent(in) :: bytes             !< from its beginning
+    integer(int64), intent(in) :: bytes             !< from its beginning, or `whole`
     integer(int64), intent(out) :: sum              !< their checksum
     integer, intent(out) :: status                  !< 0: done, -1: it does not hold so many, else the system's error of writing
     character(len=*), intent(in), optional :: copy  !< new file that gets them too

@@ -3,9 +3,10 @@
 module hd_json
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
+  use hd_checksum, only: checksum, file_checksum, whole, hexadecimal
   use hd_error, only: error_t
   use hd_new_file, only: write_text
-  use hd_text, only: to_text, exact, is_utf8
+  use hd_text, only: string_t, split, to_text, exact, is_utf8
   implicit none
   private
   public :: json_t
@@ -18,6 +19,7 @@ module hd_json
   contains
     procedure :: begin
     procedure :: finish
+    procedure :: seal
     procedure :: write_atomic
     procedure :: content
     generic :: add => add_integer, add_long, add_real, add_text, add_logical, add_reals, add_texts
@@ -175,6 +177,25 @@ contains
     character(len=:), allocatable :: text
     text = self%text
   end function content
+
+  !> Close the document with the checksums of files that it goes with, and of all that stands before its own.
+  subroutine seal(self, folder, files)
+    class(json_t), intent(inout) :: self     !< document, open
+    character(len=*), intent(in) :: folder   !< of the files
+    character(len=*), intent(in) :: files    !< names, parted by commas; those that are not there are left out
+    type(string_t), allocatable :: name(:)
+    integer(int64) :: sum
+    integer :: i, status
+    name = split(files)
+    call self%begin('checksums')
+    do i = 1, size(name)
+      call file_checksum(folder//'/'//name(i)%s, whole, sum, status)
+      if (status == 0) call self%add(name(i)%s, hexadecimal(sum))
+    end do
+    call self%finish()
+    call self%add('checksum', hexadecimal(checksum(self%text)))
+    call self%finish()
+  end subroutine seal
 
   !> Write the document: it is there whole or not at all.
   subroutine write_atomic(self, path, error)

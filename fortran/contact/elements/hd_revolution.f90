@@ -155,7 +155,10 @@ contains
     if (n == 0) return
     start = list(size(list))
     part = graded(last - start, n, first_end, last_end)
-    list = [list, [(start + sum(part(:i)), i=1, size(part) - 1)], last]
+    do i = 2, size(part)
+      part(i) = part(i - 1) + part(i)
+    end do
+    list = [list, start + part(:size(part) - 1), last]
   end subroutine append_intervals
 
   !> Lengths of n equal intervals. An end may begin with a given length instead, from which the lengths grow until they are about

@@ -78,6 +78,7 @@ contains
     do a = 1, size(harmonics%equation, 2)
       if (all(harmonics%equation(:2, a) > 0)) exit
     end do
+    if (a > size(harmonics%equation, 2)) return  ! no node is free
     harmonics%anchor(0) = harmonics%equation(2, a)
     if (.not. turn_only) harmonics%anchor(1) = harmonics%equation(1, a)
   end subroutine hold_loose

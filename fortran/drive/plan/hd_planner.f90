@@ -483,7 +483,7 @@ contains
       if (s%large() .and. has_coarser(s)) seconds(2) = started*seconds(2)
       if (level /= coarse) before = before + seconds(1)
       if (level < first_judged) cycle
-      write (line, '(i5,i10,i5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &
+      write (line, '(I5,I10,I5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &
         100*norm2([expected_error(level, scene), maxval(plan%change, mask=wanted_of(scene)), &
         maxval(plan%simpler, mask=wanted_of(scene))]), seconds, before + seconds(2), &
         estimate_memory_mb(s), &

@@ -198,7 +198,7 @@ contains
   function mesh_text(s) result(text)
     type(scene_t), intent(in) :: s  !< scene on its mesh
     character(len=24) :: text
-    write (text, '(a,i5,a,i3,a)') '  trial', s%divisions, ' x', band_rows(s), ' facets'
+    write (text, '(a,I5,a,I3,a)') '  trial', s%divisions, ' x', band_rows(s), ' facets'
   end function mesh_text
 
   !> A mesh and its results for the log.

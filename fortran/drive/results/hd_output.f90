@@ -344,7 +344,7 @@ contains
     integer, intent(in) :: step           !< number
     character(len=:), allocatable :: name
     character(len=10) :: number
-    write (number, '(i0.4)') step
+    write (number, '(I0.4)') step
     name = what//'_'//trim(number)//'.vtu'
   end function grid_name
 

@@ -18,7 +18,7 @@ module hd_summary
   use hd_loop_results, only: loop_names, loop_values
   use hd_memory, only: peak_memory_mb
   use hd_model_comparison, only: add_models
-  use hd_output, only: step_t
+  use hd_output, only: step_t, result_files
   use hd_parameters, only: parameter_table_t, new_table, value_count
   use hd_promises, only: promise_t, promises, values, promises_of, is_field
   use hd_scene, only: scene_t
@@ -118,7 +118,7 @@ contains
     call add_lines(json, 'warnings', record%warnings)
     call add_provenance(json, solver, record)
     call add_scene(json, scene)
-    call json%finish()
+    call json%seal(folder, result_files)
     call json%write_atomic(folder//'/summary.json', error)
   end subroutine write_summary
 

@@ -335,7 +335,7 @@ contains
     character(len=80) :: line
     integer :: i
     do i = 1, size(history)
-      write (line, '(6x,i4,es12.3,4i7,f8.3)') history(i)%iteration, history(i)%residual, history(i)%changes, &
+      write (line, '(6x,I4,es12.3,4I7,f8.3)') history(i)%iteration, history(i)%residual, history(i)%changes, &
         history(i)%open, history(i)%stick, history(i)%slip, history(i)%damping
       call detail(trim(line))
     end do

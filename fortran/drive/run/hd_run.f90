@@ -227,7 +227,7 @@ contains
     call enter_stiffness(run)
     call run%record%timers%book(in_stiffness)
     associate (c => run%state%contact)
-      write (line, '(i4,1x,a8,f7.3,f10.4,i4,8x,3i6,f10.2,f10.3)') run%step%number, &
+      write (line, '(I4,1x,a8,f7.3,f10.4,I4,8x,3I6,f10.2,f10.3)') run%step%number, &
         merge('torque  ', 'assembly', run%step%loaded), run%step%load_factor, &
         run%step%torque, run%step%iterations, count(c == 0), count(c == 1), count(c == 2), run%sums%normal_force, &
         run%sums%pressure_max*1e-6_dp

@@ -12,6 +12,8 @@ module hd_conditions
 
   real(dp), parameter :: stretch = 0.02_dp  !< of the length of the circle on the cam: more is a wrong unit
   real(dp), parameter :: small = 0.1_dp     !< of the radius, that small displacements and fits stay below
+  real(dp), parameter :: least_hub = 1e-4_dp !< of the radius, down to which the twist of the bottom is that of a plate within 0.5 %
+  real(dp), parameter :: most_cells = 1e5_dp !< along the cup: ten times what mesh.wall_elements takes
   integer, parameter :: fewest_balls = 4    !< that hold the ring
   character(len=1), parameter :: nl = new_line('a')
 
@@ -30,6 +32,7 @@ contains
   subroutine check_shape(s, faults)
     type(scene_t), intent(in) :: s                            !< scene whose keys are in range
     type(string_t), allocatable, intent(inout) :: faults(:)   !< gets mistakes
+    real(dp) :: length   !< along the cup that has cells as long as the facets [m]
     call need(faults, s%wall_thickness < s%bore_radius, 'geometry.wall_thickness', s%wall_thickness, 'below bore_radius', &
       s%bore_radius)
     call need(faults, s%rim_thickness < s%bore_radius, 'geometry.rim_thickness', s%rim_thickness, 'below bore_radius', &
@@ -38,11 +41,18 @@ contains
       s%bore_radius)
     call need(faults, s%hub_radius < s%bore_radius .or. has_sections(s), 'geometry.hub_radius', s%hub_radius, &
       'below bore_radius', s%bore_radius)
+    call need(faults, s%hub_radius >= least_hub*s%bore_radius, 'geometry.hub_radius', s%hub_radius, &
+      'at least a ten-thousandth of bore_radius, for a bottom that is held at a point turns freely', least_hub*s%bore_radius)
     call need(faults, s%bottom_thickness < s%cup_length, 'geometry.bottom_thickness', s%bottom_thickness, 'below cup_length', &
       s%cup_length)
     call need(faults, s%band_start + s%band_length < s%cup_length - s%bottom_thickness, 'geometry.band_length', s%band_length, &
       'so that the band ends before the bottom: below cup_length - bottom_thickness - band_start', &
       s%cup_length - s%bottom_thickness - s%band_start)
+    length = merge(max(s%rim_length, s%band_start), s%cup_length, s%wall_elements > 0) + &
+      merge(0._dp, abs(s%bore_radius - s%hub_radius), s%bottom_elements > 0)
+    call need(faults, length*s%band_facets < most_cells*s%band_length, 'geometry.band_length', s%band_length, &
+      'so long that less than 100000 cells as long as its facets lie along the cup, or mesh.wall_elements and '// &
+      'mesh.bottom_elements given; above', length*s%band_facets/most_cells)
     call need(faults, s%rim_length < s%cup_length - s%bottom_thickness, 'geometry.rim_length', s%rim_length, &
       'below cup_length - bottom_thickness', s%cup_length - s%bottom_thickness)
     call need(faults, abs(s%w) < s%bore_radius - s%ring_thickness, 'wave_generator.w', s%w, &

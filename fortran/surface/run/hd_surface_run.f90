@@ -102,7 +102,7 @@ contains
     call json%add('spacing_m', [s(1)%dy, s(1)%dx])
     call add_fits(json, found)
     call json%add('peak_memory_mb', peak_memory_mb())
-    call json%finish()
+    call json%seal(folder, stale//',heights.npy,first.npy,second.npy')
     call json%write_atomic(folder//'/summary.json', error)
     if (.not. allocated(error)) call say('results   '//folder)
   end subroutine fill_folder

@@ -56,11 +56,11 @@ def plot_run(result: Result, debug: bool = False) -> list:
             figures["torsion.png"] = plot_torsion
     if debug:
         figures["newton.png"] = plot_newton
-    made = f"hdengine {_engine.version()}"
+    made = f"hdengine {_engine.version()}, run {result.summary['checksum']}"
     paths, drawn = [], {}
     for name, draw in figures.items():
         path = result.folder / name
-        if not _is_fresh(path, result.folder / "summary.json", made):
+        if not _is_fresh(path, made):
             figure = draw(result)
             if figure is None:
                 continue
@@ -72,9 +72,9 @@ def plot_run(result: Result, debug: bool = False) -> list:
     return paths
 
 
-def _is_fresh(path, summary, made):
-    """A figure that this version made after the summary was written."""
-    if not path.is_file() or path.is_symlink() or path.stat().st_mtime <= summary.stat().st_mtime:
+def _is_fresh(path, made):
+    """A figure that this version made of this run, whatever the clocks say."""
+    if not path.is_file() or path.is_symlink():
         return False
     with open(path, "rb") as file:
         return made.encode() in file.read(400)

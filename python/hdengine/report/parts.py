@@ -170,16 +170,21 @@ def _plan(result):
     return text
 
 
-def _sensitivity(folder):
-    """Figures and bands that `hdengine sensitivity` left in the folder."""
-    path = folder / "sensitivity.json"
-    if path.is_file():
-        found = read_json(path, "bands_95_nm_per_rad")
+def _found(result):
+    """What `hdengine sensitivity` found of the run; nothing where that was of an earlier run in its folder."""
+    path = result.folder / "sensitivity.json"
+    found = read_json(path, "bands_95_nm_per_rad") if path.is_file() else {}
+    return found if found.get("run") == result.summary["checksum"] else {}
+
+
+def _sensitivity(result):
+    """Figures and bands of `hdengine sensitivity`."""
+    if found := _found(result):
         text = _table(("what varies", "low", "median", "high"), [(k, *v) for k, v in found["bands_95_nm_per_rad"].items()])
         if found.get("indices"):
             text += "<p>Shares of the variance (Sobol) with the half width of their 95 % band:</p>" + _table(
                 ("key", "first order", "+-", "total", "+-"), [(k, *v) for k, v in found["indices"].items()])
-        pictures = "".join(_image(p, "Change between the ends of each range.") for p in sorted(folder.glob("tornado_*.png")))
+        pictures = "".join(_image(result.folder / name, "Change between the ends of each range.") for name in found["figures"])
         yield "Uncertainty of K_TS", "<p>95 % bands / (N m/rad):</p>" + text + pictures
 
 
@@ -225,7 +230,6 @@ def _model_error(summary):
 
 def _band_of(result, k):
     """What is known of the error of K_TS [N m/rad], as text."""
-    path = result.folder / "sensitivity.json"
     known = []
     if "k_ts_bonded_nm_per_rad" in result.limits:
         limit, error, ratio = result.limits["k_ts_bonded_nm_per_rad"]
@@ -233,8 +237,7 @@ def _band_of(result, k):
                      f"{_engineering(limit * ratio)}.")
     else:
         known.append("The error of the mesh is not known: run again with <code>run.tolerance</code>.")
-    if path.is_file():
-        found = read_json(path, "bands_95_nm_per_rad")
+    if found := _found(result):
         name, bands = ("the tangent", found["tangent"]["bands_95_nm_per_rad"]) if "tangent" in found else \
             ("K_TS by Eq. 45", found["bands_95_nm_per_rad"])
         low, _, high = max(bands.values(), key=lambda b: b[2] - b[0], default=(k, k, k))
@@ -390,7 +393,7 @@ def _run_parts(result, picture, animation):
     if figures:
         yield "More figures", figures
     yield from _comparison(paper.of_run(result))
-    yield from _sensitivity(result.folder)
+    yield from _sensitivity(result)
     steps = result.steps
     names = [n for n in ("step", "phase", "torque_nm", "rotation_rad", "normal_force_n", "contact_area_m2", "pressure_max_pa",
                          "friction_torque_nm", "torque_balance_nm", "k_ts_bonded_nm_per_rad", "k_ts_secant_nm_per_rad",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import difflib
 import hashlib
 import io
 import itertools
@@ -103,17 +104,30 @@ class Study:
             raise InputError(f"the study has {count} points; valid: up to {MOST_POINTS}")
 
     def _check_figure(self):
-        """Refuse what no table can be drawn by; which columns it has is known once a point is solved."""
+        """Refuse what no table can be drawn by."""
         swept = (*self.together, *self.grid)
+        columns = (*swept, *self._columns()) if self.figure.keys() & {"x", "y", "lines"} else swept
         for name, value in self.figure.items():
             of, what = NO_TEXTS.get(name, (str, "text"))
             for v in value if isinstance(value, (list, tuple)) and name in ("y", "torque", "panels") else [value]:
                 if not isinstance(v, of):
                     raise InputError(f"figure.{name} = {value!r}: must be {what}")
-                keyed = name == "panels" or isinstance(v, str) and "." in v
-                choices = FIGURES if name == "kind" else swept if keyed else (v,)
+                choices = {"kind": FIGURES, "panels": swept, "torque": (v,), "relative": (v,)}.get(name) or columns
                 if v not in choices:
-                    raise InputError(f"figure.{name} = '{v}': must be one of {', '.join(choices) or 'the swept keys'}")
+                    near = " or ".join(difflib.get_close_matches(v, choices, 2))
+                    raise InputError(f"figure.{name} = '{v}': {f'did you mean {near}? It ' if near else ''}must be one of "
+                                     f"{', '.join(choices) or 'the swept keys'}")
+
+    def _columns(self):
+        """Columns that the table can have besides the swept keys; those of a loop only if a point may be a whole drive."""
+        names = [name for name in _engine.names("step") if name not in ("iterations", "seconds")]
+        places = [f"{what}_long_{i}_pa" for i in (1, 2, 3) for what in ("pressure", "shear")]
+        swept = {key.replace("__", ".", 1).strip().lower(): values for key, values in (*self.grid.items(), *self.together.items())}
+        try:
+            loop = "drive" in map(str, swept.get("load.support") or [read_scene(self.scene, **self.fixed)["load.support"]])
+        except HdengineError:   # it is reported for its point
+            loop = True
+        return ("point", "status", *names, "k_ts_normal_nm_per_rad", *places, *(LOOP if loop else ()))
 
     def _in_si(self, key, value):
         """A number with its unit as the number that the engine takes it for; all else as it is."""
@@ -148,7 +162,7 @@ class Study:
             return cls(scene, groups.get("grid", {}), groups.get("together", {}), fixed, head.get("rows", "torque"),
                        head.get("title", Path(path).stem), figure)
         except InputError as error:
-            raise InputError(f"{error}\n  --> {path}") from None
+            raise InputError(f"{error}\n  --> {path}{study_file.line_of(path, str(error))}") from None
 
     @property
     def points(self) -> list:

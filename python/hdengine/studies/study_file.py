@@ -89,6 +89,12 @@ def _line(text, name):
     return ""
 
 
+def line_of(path: PathLike, message: str) -> str:
+    """':line' of the key that a message names first, as far as a search finds it."""
+    named = re.search(r"(?:figure\.|')([\w.]+)", message)
+    return _line(_text(path), named.group(1)) if named else ""
+
+
 def _lists(path, text, name, keys):
     """'group.key' to a list of values, from nested tables."""
     if not isinstance(keys, dict):

@@ -13,7 +13,7 @@ from .._engine import InputError
 from .._types import PathLike, Value
 from ..contact import _assignments
 from ..files import write_files
-from ..summary_file import read_summary
+from ..summary_file import read_summary, written
 from ..table_file import read_csv
 from .fit import Fit, Ridges, rows_alone
 from .specimen import JointSurface, Specimen
@@ -81,10 +81,10 @@ class SurfaceResult:
         names = {"generated": "heights.npy"} if "generator" in self.summary else {"first": "first.npy", "second": "second.npy"}
         for name, file in names.items():   # the folder may hold those of an earlier run besides
             if (self.folder / file).is_file() and (name in fits or not fits):
-                z = np.load(self.folder / file)
+                z = np.load(written(self.folder, file, self.summary))
                 specimens.append(Specimen(z if len(z) > 1 else z[0], spacing, Path(fits.get(name, {}).get("file", name)).stem))
         self.specimens = tuple(specimens)
-        table = read_csv(self.folder / "fit.csv") if fits else None
+        table = read_csv(written(self.folder, "fit.csv", self.summary)) if fits else None
         heights = [s.heights for s in specimens]
         self.fits = {name: _fit(name, s, table, heights) for name, s in fits.items()}
 

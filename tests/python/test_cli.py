@@ -275,10 +275,14 @@ def test_every_warning_has_its_number(exe):
 
 
 def test_typed_keys_are_those_of_the_engine():
-    """The module that editors complete keys from is what its tool makes of the engine's table."""
-    import typed_keys
+    """The module that editors complete keys from has every key of a scene, and the kind of each: numbers, lists and texts."""
+    from hdengine._keys import SceneKeys
 
-    assert typed_keys.FILE.read_text() == typed_keys.text()
+    kinds, scene = SceneKeys.__annotations__, hdengine.read_scene()
+    assert {key.replace("__", ".", 1) for key in kinds if "__" in key} == set(scene)
+    for key, value in scene.items():
+        kind = kinds[key.replace(".", "__", 1)].__forward_arg__.replace(" | str", "")
+        assert kind in {int: ("int",), float: ("float",), str: ("str", "bool"), list: ("Sequence[float] | float",)}[type(value)], key
 
 
 def test_a_result_answers_in_words(tmp_path):

@@ -114,6 +114,7 @@ contains
       s = p%default
     else
       s = range_text(p)
+      if (associated(p%reals)) s = 'numbers'//s(len('number') + 1:)
     end if
   end function valid
 end module hd_explain

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command hdengine: help with examples, plan, completion, sensitivity."""
-import json
 import re
 import subprocess
 import sys
@@ -138,15 +137,6 @@ def test_wrong_files_end_with_one_error(command, tmp_path, monkeypatch, capsys):
         assert code in (2, 3) and told.startswith("error: ") and told.count("error: ") == 1, (name, code, told)
 
 
-def test_places_that_cannot_be_written(tmp_path, capsys):
-    """A folder for results that is a file, or lies in one, ends with code 3 and its name."""
-    (tmp_path / "file").write_text("")
-    for words in (["record", str(ROOT / "data/torque_record.csv")], ["surface", str(ROOT / "data/specimen_bearing.sdf")],
-                  ["run", str(ROOT / "data/cd14.nml")]):
-        for place in ("file", "file/below"):
-            assert cli.main([*words, "--out", str(tmp_path / place)]) == 3 and "file" in capsys.readouterr().err
-
-
 def test_forms_of_run(tmp_path, monkeypatch, capsys):
     """Keys stand anywhere; --check, --plan, --explain, -q, -v and --version do what hdengine.x does with them."""
     monkeypatch.chdir(tmp_path)
@@ -167,20 +157,6 @@ def test_forms_of_run(tmp_path, monkeypatch, capsys):
         with pytest.raises(SystemExit) as end:
             cli.main(words)
         assert end.value.code == 2 and found in capsys.readouterr().err
-
-
-def test_record_writes_a_folder(tmp_path, monkeypatch, capsys):
-    """`hdengine record` leaves figures with bands, the curve, a figure, and lines that a scene can take."""
-    monkeypatch.chdir(tmp_path)
-    assert cli.main(["record", str(ROOT / "data/torque_record.csv")]) == 0
-    out = tmp_path / "torque_record.out"
-    found = json.loads((out / "record.json").read_text())
-    value, low, high = found["value_low_high"]["k1_nm_per_rad"]
-    assert low < value < high and (out / "record.png").is_file()
-    assert hdengine.table_file.read_csv(out / "curve.csv")["stiffness_nm_per_rad"].min() > 0
-    assert hdengine.read_scene(out / "scene.nml")["load.torque"] == pytest.approx(found["torque_max_nm"], rel=1e-5)
-    (out / "summary.json").write_text("{}")
-    assert cli.main(["record", str(ROOT / "data/torque_record.csv"), "--force"]) == 3 and "summary.json" in capsys.readouterr().err
 
 
 def test_the_distribution_states_its_python_and_its_licences():

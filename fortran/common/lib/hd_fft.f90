@@ -4,10 +4,11 @@
 !> Plans are estimated, never measured: the same sizes give the same algorithm and so the same bits in every run. The planner is
 !> behind a process-wide lock; executing a plan needs none. The sign is -1 forward (exp(-i...)), +1 backward.
 module hd_fft
-  use, intrinsic :: iso_c_binding, only: c_associated, c_null_ptr, c_ptr
+  use, intrinsic :: iso_c_binding, only: c_associated, c_null_ptr
   use hd_kinds, only: dp, rk => dp
   use hd_error, only: error_t, raise, code_memory
-  use hd_fftw, only: FFTW_BACKWARD, FFTW_ESTIMATE, FFTW_PRESERVE_INPUT, lock_planner, unlock_planner, &
+  use hd_fftw, only: fft_plan_t, rows_plan_t, kept_t, long_rows, rows_of_part, lock_planner, unlock_planner
+  use hd_fftw, only: FFTW_BACKWARD, FFTW_ESTIMATE, FFTW_PRESERVE_INPUT, &
     fftw_plan_dft_r2c_2d, fftw_plan_dft_c2r_2d, plan_many => fftw_plan_many_dft, &
     plan_many_r2c => fftw_plan_many_dft_r2c, plan_many_c2r => fftw_plan_many_dft_c2r, run_dft => fftw_execute_dft, &
     run_r2c => fftw_execute_dft_r2c, run_c2r => fftw_execute_dft_c2r, destroy_plan => fftw_destroy_plan
@@ -18,6 +19,11 @@ module hd_fft
   public :: fft_plan_t, plan_complex, plan_forward_real, plan_backward_real, execute_complex, execute_forward_real, &
     execute_backward_real, free_plan
   public :: rows_plan_t, plan_rows, execute_rows, free_rows
+
+  type(kept_t), save :: kept(64)
+  integer, save :: kept_plans = 0
+
+contains
 
   include 'hd_fft.inc'
 

@@ -1,45 +1,39 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""python/hdengine/_keys.py: a TypedDict for each group of keys, made of the engine's table of keys, so that editors complete them.
+"""hdengine/_keys.py, which the build makes: a TypedDict for each group of keys, so that editors complete them.
 
-Usage: tools/typed_keys.py [--check]; with --check it says whether the file is out of date, and changes nothing.
+Usage: tools/typed_keys.py HDENGINE.X; prints the module, made of what `hdengine.x --explain all` says.
 """
 import re
+import subprocess
 import sys
-from pathlib import Path
 
-import hdengine
-from hdengine import _engine
-
-FILE = Path(__file__).resolve().parents[1] / "python/hdengine/_keys.py"
 HEAD = '''# SPDX-License-Identifier: GPL-3.0-or-later
-"""Keys of a scene by group, for editors and type checkers. Made by tools/typed_keys.py of the engine's table; do not edit."""
+"""Keys of a scene by group, for editors and type checkers. Made by tools/typed_keys.py of the engine's table."""
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TypedDict
 
 '''
+ENTRY = re.compile(r"^(\w+)\.(\w+)\n  .*\n\n  Default `(.*?)`(?: ([^,;\n]+))?(?:, chosen by .*?)?; valid: (.*)$", re.M)
 
 
-def kind(value, explained, unit):
-    """Type of a key by its default, the text that explains it and its unit, in which a text may be given: '0.36 mm'."""
+def kind(default, unit, valid):
+    """Type of a key by its default, its unit, in which a text may be given ('0.36 mm'), and what is valid."""
     number = "float | str" if unit else "float"
-    if isinstance(value, list):
+    if default.startswith("'"):
+        return "bool | str" if ".true." in valid else "str"
+    if valid.startswith("numbers"):
         return f"Sequence[{number}] | {number}"
-    if ".true." in explained.partition("valid: ")[2]:
-        return "bool | str"
-    return {int: "int", float: number, str: "str"}[type(value)]
+    return number if valid.startswith("number") else "int"
 
 
-def text():
-    """The module."""
+def text(page):
+    """The module of a page of all keys."""
     groups = {}
-    for key, value in hdengine.read_scene().items():
-        group, name = key.split(".", 1)
-        explained = _engine.call_text("explain_text", key)
-        unit = re.match(r"&\S+ \S+ = .*? \[(.+)\]\n", explained)
-        groups.setdefault(group, []).append((name, kind(value, explained, unit), f"  # {unit[1]}" if unit else ""))
+    for group, name, default, unit, valid in ENTRY.findall(page):
+        groups.setdefault(group, []).append((name, kind(default, unit, valid), f"  # {unit}" if unit else ""))
     classes = {group: "".join(part.title() for part in group.split("_")) + "Keys" for group in groups}
     out = HEAD
     for group, keys in groups.items():
@@ -51,6 +45,4 @@ def text():
 
 
 if __name__ == "__main__":
-    if "--check" in sys.argv:
-        sys.exit(FILE.read_text() != text() and f"{FILE} is out of date: tools/typed_keys.py")
-    FILE.write_text(text())
+    print(text(subprocess.run([sys.argv[1], "--explain", "all"], capture_output=True, text=True, check=True).stdout), end="")

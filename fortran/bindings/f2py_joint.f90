@@ -13,10 +13,12 @@ module f2py_joint
   use hd_asperity, only: asperity_t, new_asperity, asperity_by_depth, asperity_by_area
   use hd_joint_range, only: range_warnings
   use hd_text, only: string_t, join
+  use hd_torsion, only: facet_weights, printed_weights
   use hd_joint_law, only: interface_law_t, new_interface_law, closure_at, pressure_at, shear_at
   implicit none
   private
-  public :: joint_facets, joint_of_scene, joint_parts, asperity, joint_warnings, joint_normal_law, joint_tangential_law
+  public :: joint_facets, joint_of_scene, joint_parts, asperity, joint_warnings, joint_normal_law, joint_tangential_law, &
+    torsion_weights, torsion_weights_printed
 
 contains
 
@@ -216,6 +218,24 @@ contains
     end if
     call tell(error, status)
   end subroutine joint_tangential_law
+
+  !> Weights of K_N and K_T in Eq. 45 put right.
+  subroutine torsion_weights(x, normal, n, w_n, w_t)
+    integer(c_int), intent(in) :: n
+    real(c_double), intent(in) :: x(3, n), normal(3, n)
+    real(c_double), intent(out) :: w_n(n), w_t(n)
+    !f2py integer(c_int), intent(hide), depend(x) :: n = shape(x, 1)
+    call facet_weights(x, normal, w_n, w_t)
+  end subroutine torsion_weights
+
+  !> The same as printed.
+  subroutine torsion_weights_printed(theta, r, w, slope, n, w_n, w_t)
+    integer(c_int), intent(in) :: n
+    real(c_double), intent(in) :: theta(n), r, w, slope
+    real(c_double), intent(out) :: w_n(n), w_t(n)
+    !f2py integer(c_int), intent(hide), depend(theta) :: n = len(theta)
+    call printed_weights(theta, r, w, slope, w_n, w_t)
+  end subroutine torsion_weights_printed
 
   !> Joint from its parameters.
   subroutine flat_joint(p, joint, error)

@@ -32,7 +32,7 @@ contains
     level = yes('level')
     spectrum = band_spectrum_t(whole('model'), number('f_lo'), number('f_hi'), &
       ridges_t(number('gamma'), whole('ridges'), whole('n_max'), number('length')))
-    how = fit_options_t(yes('weighted'), yes('fit_noise'), number('noise'), yes('told'), yes('mask'))
+    how = fit_options_t(yes('fit_noise'), number('noise'), yes('told'), yes('mask'))
     call names%check(error)
     if (.not. allocated(error)) call measure(z, other, dx, dy, lags(1), lags(2), level, spectrum, how, m, error)
   contains

@@ -21,7 +21,7 @@ module hd_named_values
   !> A load step.
   character(len=*), parameter :: step_names = 'step,in_torque,load_factor,torque_nm,'//sum_names//',iterations,seconds'
   !> How to fit a surface: window [points], flags, what is known of Eq. 1, band [1/m], noise [m].
-  character(len=*), parameter :: fit_option_names = 'first_lag,last_lag,level,model,weighted,fit_noise,ridges,'// &
+  character(len=*), parameter :: fit_option_names = 'first_lag,last_lag,level,model,fit_noise,ridges,'// &
     'n_max,told,mask,f_lo,f_hi,gamma,length,noise'
   !> What a fit gives: numbers; curves over the lag; curves over the frequency.
   character(len=*), parameter :: fit_names = 'd,ln_g,noise_variance,cov_1,cov_2,cov_3,cov_4,cov_5,cov_6,cov_7,cov_8,'// &

@@ -306,7 +306,6 @@ def make_parser() -> argparse.ArgumentParser:
     report.add_argument("--out", help="file (default: report.html in the folder)")
     report.add_argument("--pdf", action="store_true", help="also a PDF beside it (needs WeasyPrint: hdengine[pdf])")
     report.add_argument("--picture", action="store_true", help="with a 3-D picture (needs PyVista: hdengine[report])")
-    report.add_argument("--no-picture", action="store_true", help=argparse.SUPPRESS)  # the default, once was none
     report.add_argument("--animation", action="store_true", help="with the pressure step by step, as a GIF")
     export = _command(commands, "export", _export, "a run for another program: the drive as a joint, or a deck",
                       "export drive14.out --to mujoco --out joint.xml")

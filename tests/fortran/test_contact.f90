@@ -2,18 +2,18 @@
 module test_contact
   use hd_body, only: body_t
   use hd_check, only: check, check_close
-  use hd_contact_law, only: contact_law_t, evaluate_law, frictional, frictionless
+  use hd_contact_law, only: contact_law_t, evaluate_law, frictional
   use hd_error, only: error_t, code_memory
   use hd_face, only: face_t
-  use hd_hexahedron, only: hex20r, hex8i
+  use hd_hexahedron, only: hex8i
   use hd_kinds, only: dp, pi
   use hd_linear_solver, only: linear_solver_t
-  use hd_mortar, only: facet_mean, mortar_t, new_mortar, relative_displacement
+  use hd_mortar, only: mortar_t, new_mortar, relative_displacement
   use hd_mumps, only: check_mumps
   use hd_newton, only: iterate, iteration_t, newton_options_t
   use hd_newton_krylov, only: new_newton_krylov, newton_krylov_t
   use hd_problem, only: load_t, new_state, problem_t, state_t
-  use hd_test_bodies, only: new_problem_of, press_blocks, solve, two_rings
+  use hd_test_bodies, only: press_blocks, solve, two_rings
   implicit none
   private
   public :: run_contact
@@ -33,9 +33,6 @@ contains
     call mortar_sums()
     call flat_patch(swap=.false.)
     call flat_patch(swap=.true.)
-    call press_fit(hex8i, 40, 40)
-    call press_fit(hex8i, 80, 64)
-    call press_fit(hex20r, 40, 32)
     call memory_message()
   end subroutine run_contact
 
@@ -108,40 +105,6 @@ contains
     call check_close(maxval(abs(relative_displacement(mortar, u))), 0._dp, 1e-11_dp, &
       'swelling, turning and shifting both cylinders alike opens no gap and causes no slip')
   end subroutine mortar_sums
-
-  !> Lame press fit in plane strain, frictionless: pressure at every facet against the closed solution; the meshes need not match.
-  subroutine press_fit(kind, n_inner, n_outer)
-    integer, intent(in) :: kind, n_inner, n_outer
-    type(body_t) :: bodies(2)
-    type(face_t) :: slave, master
-    type(problem_t) :: problem
-    type(load_t) :: load
-    type(state_t) :: state
-    real(dp), allocatable :: p(:)
-    real(dp) :: exact, a, b, c, e1, n1, e2, n2, flex, delta
-    integer :: f
-    character(len=60) :: name
-    write (name, '(a,i0,a,i0,a)') 'Lame press fit, ', n_inner, '/', n_outer, merge(' quadratic', ' hex8i    ', kind == hex20r)
-    call two_rings(kind, n_inner, n_outer, bodies(1), bodies(2), slave, master)
-    call new_problem_of(bodies, slave, master, frictionless, problem)
-    problem%fixed(3, :) = .true.
-    problem%fixed(2, :) = .true.
-    delta = 10e-6_dp
-    call solve(problem, spread(-delta, 1, problem%mortar%n), load, state)
-    a = 10e-3_dp
-    b = 20e-3_dp
-    c = 30e-3_dp
-    e1 = 210e9_dp/(1 - 0.3_dp**2)
-    n1 = 0.3_dp/0.7_dp
-    e2 = 110e9_dp/(1 - 0.25_dp**2)
-    n2 = 0.25_dp/0.75_dp
-    flex = b/e1*((b**2 + a**2)/(b**2 - a**2) - n1) + b/e2*((c**2 + b**2)/(c**2 - b**2) + n2)
-    exact = delta/flex
-    p = [(facet_mean(problem%mortar, f, state%traction(1, problem%mortar%facet(:, f))), f=1, size(problem%mortar%facet, 2))]
-    call check_close(sum(p)/size(p)/exact, 1._dp, merge(1e-3_dp, 2e-2_dp, kind == hex20r), trim(name)//': mean pressure')
-    call check_close((maxval(p) - minval(p))/exact, 0._dp, merge(5e-3_dp, 1e-6_dp, kind == hex20r), &
-      trim(name)//': the pressure is even')
-  end subroutine press_fit
 
   !> GMRES around a solver that is none stalls; exact factors give the same state.
   subroutine stall(problem, load, expected)

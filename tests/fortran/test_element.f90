@@ -1,16 +1,10 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 module test_element
-  use hd_body, only: body_t
   use hd_check, only: check, check_close
   use hd_error, only: error_t
-  use hd_face, only: face_t
   use hd_hexahedron, only: elasticity_matrix, element_stiffness, hex20r, hex8, hex8i, natural_coordinates, nodes_per_element, &
     shape_hexahedron
   use hd_kinds, only: dp
-  use hd_newton, only: iterate, iteration_t, newton_options_t
-  use hd_newton_matrix, only: new_newton_matrix, newton_matrix_t
-  use hd_problem, only: load_t, new_problem, new_state, problem_t, state_t
-  use hd_revolution, only: revolve, strip_face, strip_t
   implicit none
   private
   public :: run_element
@@ -28,9 +22,6 @@ contains
       call shapes(kinds(i), names(i))
     end do
     call inverted()
-    call ring(hex8i, 40, 0.04_dp)
-    call ring(hex8i, 80, 0.01_dp)
-    call ring(hex20r, 40, 0.001_dp)
   end subroutine run_element
 
   !> Nodes of a distorted unit cube; mid-side nodes on straight edges.
@@ -135,98 +126,4 @@ contains
     call element_stiffness(hex8, x, elasticity_matrix(young, poisson), ke, error)
     call check(allocated(error), 'an inverted element is refused')
   end subroutine inverted
-
-  !> A ring of 0.3 mm wall, one element through it, bent by p cos 2 theta: error against the exact Michell solution.
-  subroutine ring(kind, divisions, limit)
-    integer, intent(in) :: kind, divisions
-    real(dp), intent(in) :: limit
-    real(dp), parameter :: r1 = 17.8e-3_dp, t = 0.3e-3_dp, height = 1e-3_dp
-    type(strip_t) :: strip
-    type(body_t) :: bodies(1)
-    type(problem_t) :: problem
-    type(face_t) :: face
-    type(error_t), allocatable :: error
-    real(dp) :: exact, actual
-    strip%inner = reshape([r1, 0._dp, r1, height], [2, 2])
-    strip%outer = reshape([r1 + t, 0._dp, r1 + t, height], [2, 2])
-    call revolve(strip, divisions, kind, bodies(1))
-    bodies%young = young
-    bodies%poisson = poisson
-    call new_problem(bodies, problem, error)
-    exact = michell(r1, r1 + t)
-    call strip_face(strip, bodies(1), 1, 1, 2, r1, face)
-    actual = opening(problem, face)
-    call check_close(actual/exact, 1._dp, limit, 'a thin ring under cos 2 theta does not lock')
-  end subroutine ring
-
-  !> Radial displacement at theta = 0 under a pressure cos 2 theta of 1 Pa on the face; plane strain, symmetric about the axes.
-  function opening(problem, face) result(u)
-    type(problem_t), intent(inout) :: problem
-    type(face_t), intent(in) :: face
-    real(dp) :: u
-    type(newton_matrix_t) :: matrix
-    type(load_t) :: load
-    type(state_t) :: state, rest
-    type(iteration_t), allocatable :: history(:)
-    type(error_t), allocatable :: error
-    real(dp) :: area
-    integer :: f, a
-    logical :: converged, sliding
-    allocate (problem%mortar%node(0), problem%mortar%area(0), problem%mortar%col(0), problem%mortar%val(0))
-    problem%mortar%ptr = [1]
-    associate (angle => problem%bodies(1)%angle)
-      problem%fixed(3, :) = .true.
-      problem%fixed(2, :) = abs(sin(2*angle)) < 1e-9_dp
-      allocate (load%displacement(3, problem%n), load%force(3, problem%n), source=0._dp)
-      allocate (load%gap(0))
-      do f = 1, size(face%nodes, 2)
-        area = (face%chart(1, 2, f) - face%chart(1, 1, f))*(face%chart(2, 4, f) - face%chart(2, 1, f))
-        associate (list => face%nodes(:, f))
-          load%force(1, list) = load%force(1, list) + area*facet_weights(size(list))*cos(2*angle(list))
-        end associate
-      end do
-    end associate
-    call new_newton_matrix(problem, matrix, error)
-    call new_state(problem, state)
-    rest = state
-    call iterate(problem, matrix, newton_options_t(), load, rest, state, history, converged, sliding, error)
-    call check(converged .and. .not. allocated(error), 'a linear problem converges')
-    a = face%nodes(1, 1)
-    u = state%u(1, a)
-    call matrix%release()
-  end function opening
-
-  !> Radial displacement at theta = 0 of the inner face under a radial pressure cos 2 theta of 1 Pa there, plane strain.
-  !> Airy function (a r^2 + b r^4 + c / r^2 + d) cos 2 theta; the four constants from sigma_r and tau on both faces.
-  real(dp) function michell(r1, r2)
-    real(dp), intent(in) :: r1, r2
-    real(dp) :: m(4, 5), r, e, nu, f
-    integer :: i, j, k
-    do i = 1, 2
-      r = merge(r1, r2, i == 1)
-      m(2*i - 1, :) = [-2._dp, 0._dp, -6/r**4, -4/r**2, merge(-1._dp, 0._dp, i == 1)]
-      m(2*i, :) = [2._dp, 6*r**2, -6/r**4, -2/r**2, 0._dp]
-    end do
-    do k = 1, 4
-      j = k - 1 + maxloc(abs(m(k:, k)), 1)
-      m([k, j], :) = m([j, k], :)
-      m(k, :) = m(k, :)/m(k, k)
-      do i = 1, 4
-        if (i /= k) m(i, :) = m(i, :) - m(i, k)*m(k, :)
-      end do
-    end do
-    nu = poisson/(1 - poisson)
-    e = young/(1 - poisson**2)
-    r = r1
-    f = -2*(1 + nu)*m(1, 5)*r - 4*nu*m(2, 5)*r**3 + 2*(1 + nu)*m(3, 5)/r**3 + 4*m(4, 5)/r
-    michell = f/e
-  end function michell
-
-  !> Shares of a uniform load that the nodes of a rectangular facet of 4 or 8 nodes take (sum 1).
-  pure function facet_weights(nodes) result(w)
-    integer, intent(in) :: nodes
-    real(dp) :: w(nodes)
-    w = 0.25_dp
-    if (nodes == 8) w = [spread(-1/12._dp, 1, 4), spread(1/3._dp, 1, 4)]
-  end function facet_weights
 end module test_element

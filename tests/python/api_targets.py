@@ -51,7 +51,7 @@ def targets():
         "tau": [1e-6, 2e-6], "fractal_dimension": 2.5, "roughness": 1e-8, "band": (1e-6, 1e-4), "model": "isotropic"}
     yield "roughness.level", roughness.level, {"heights": z}
     yield "roughness.fit", roughness.fit, {"heights": z, "spacing": 1e-6, "lags": (1, 8), "model": "paper", "surface": None,
-                                           "weighted": None, "level": True, "band": None, "noise": 0.0, "second": None}
+                                           "level": True, "band": None, "noise": 0.0, "second": None}
     yield "roughness.Ridges", ridges, {"length": 1e-4, "shortest_wavelength": 1e-6, "ridges": 10, "gamma": 1.5}
     yield "specimen.Specimen.fit", specimen_fit, {"heights": z, "spacing": (1e-6, 1e-6), "name": "a", "lags": (1, 8)}
     yield "specimen.equivalent", specimen.equivalent, {"first": specimen.Specimen(z, (1e-6, 1e-6)),

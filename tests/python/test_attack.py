@@ -67,12 +67,6 @@ def test_waves_without_digits_are_refused():
         surface.sum_waves([1e304], [1.0], [1e-7], [.1], (16, 16), 1e-6, origin=(1, 1e9), tolerance=1e-6, method="nufft")
 
 
-def test_lags_beyond_the_map_take_no_memory():
-    """A window of 1e9 lags on a small map is refused before anything of its size is taken."""
-    with pytest.raises(hdengine.InputError, match="lags"):
-        hdengine.roughness.fit(np.random.default_rng(1).normal(size=(20, 30)), 1e-6, lags=(1, 10**9))
-
-
 @pytest.mark.parametrize("node, says", [(-1, "node -1"), (1000000, "node 1000000"), (1, "twice")])
 def test_cells_that_name_wrong_nodes_are_refused(node, says):
     """A cell with a node that does not exist, or with one node twice, is refused before anything is read past its arrays."""

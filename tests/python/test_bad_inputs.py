@@ -273,12 +273,6 @@ def test_missing_file(exe, tmp_path):
         hdengine.Run(tmp_path / "none.nml")
 
 
-def test_folder_for_file(exe, tmp_path):
-    """A folder is not an input file."""
-    done = call(exe, tmp_path)
-    assert (done.returncode, done.stderr) == (3, f"error: '{tmp_path}' is a folder, not an input file\n")
-
-
 @pytest.fixture(scope="module")
 def odd(tmp_path_factory):
     """Files that are none: a pipe that nobody writes to, an endless device, a folder, three gigabytes of nothing."""

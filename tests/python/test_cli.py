@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command hdengine: help with examples, plan, completion, sensitivity."""
-import json
 import os
 import re
 import shutil
@@ -140,15 +139,6 @@ def test_wrong_files_end_with_one_error(command, tmp_path, monkeypatch, capsys):
         assert code in (2, 3) and told.startswith("error: ") and told.count("error: ") == 1, (name, code, told)
 
 
-def test_places_that_cannot_be_written(tmp_path, capsys):
-    """A folder for results that is a file, or lies in one, ends with code 3 and its name."""
-    (tmp_path / "file").write_text("")
-    for words in (["record", str(ROOT / "data/torque_record.csv")], ["surface", str(ROOT / "data/specimen_bearing.sdf")],
-                  ["run", str(ROOT / "data/cd14.nml")]):
-        for place in ("file", "file/below"):
-            assert cli.main([*words, "--out", str(tmp_path / place)]) == 3 and "file" in capsys.readouterr().err
-
-
 def test_forms_of_run(tmp_path, monkeypatch, capsys):
     """Keys stand anywhere; --check, --plan, --explain, -q, -v and --version do what hdengine.x does with them."""
     monkeypatch.chdir(tmp_path)
@@ -176,20 +166,6 @@ def test_run_says_what_it_will_take(tmp_path, capsys):
     assert cli.main(["run", str(ROOT / "data/cd14.nml"), "run.tolerance=0.5", "load.torque_steps=1", "--out", str(tmp_path / "r")]) == 0
     ahead = capsys.readouterr().out.split("\nstep ")[0]
     assert all(re.search(words, ahead, re.M) for words in (r"^  trial .* facets", "^plan ", r"^mesh +\d+ dof"))
-
-
-def test_record_writes_a_folder(tmp_path, monkeypatch, capsys):
-    """`hdengine record` leaves figures with bands, the curve, a figure, and lines that a scene can take."""
-    monkeypatch.chdir(tmp_path)
-    assert cli.main(["record", str(ROOT / "data/torque_record.csv")]) == 0
-    out = tmp_path / "torque_record.out"
-    found = json.loads((out / "record.json").read_text())
-    value, low, high = found["value_low_high"]["k1_nm_per_rad"]
-    assert low < value < high and (out / "record.png").is_file()
-    assert hdengine.table_file.read_csv(out / "curve.csv")["stiffness_nm_per_rad"].min() > 0
-    assert hdengine.read_scene(out / "scene.nml")["load.torque"] == pytest.approx(found["torque_max_nm"], rel=1e-5)
-    (out / "summary.json").write_text("{}")
-    assert cli.main(["record", str(ROOT / "data/torque_record.csv"), "--force"]) == 3 and "summary.json" in capsys.readouterr().err
 
 
 def test_the_distribution_states_its_python_and_its_licences():
@@ -284,10 +260,14 @@ def test_every_warning_has_its_number(exe):
 
 
 def test_typed_keys_are_those_of_the_engine():
-    """The module that editors complete keys from is what its tool makes of the engine's table."""
-    import typed_keys
+    """The module that editors complete keys from has every key of a scene, and the kind of each: numbers, lists and texts."""
+    from hdengine._keys import SceneKeys
 
-    assert typed_keys.FILE.read_text() == typed_keys.text()
+    kinds, scene = SceneKeys.__annotations__, hdengine.read_scene()
+    assert {key.replace("__", ".", 1) for key in kinds if "__" in key} == set(scene)
+    for key, value in scene.items():
+        kind = kinds[key.replace(".", "__", 1)].__forward_arg__.replace(" | str", "")
+        assert kind in {int: ("int",), float: ("float",), str: ("str", "bool"), list: ("Sequence[float] | float",)}[type(value)], key
 
 
 def test_a_result_answers_in_words(tmp_path):

@@ -82,17 +82,6 @@ def test_softgauge_of_two_curves_is_read_as_its_raw_one(tmp_path):
     assert s.heights == pytest.approx(raw * 1e-6) and s.spacing == (0.25e-6, 0.25e-6) and "left out" in s.notes[0]
 
 
-def test_arrays_of_three_dimensions_are_refused(tmp_path):
-    """A .npy array of shape (1, 60, 64) is an error that names the shape, in Python and in a namelist; (60, 64) reads."""
-    np.save(tmp_path / "deep.npy", np.zeros((1, 60, 64)))
-    np.save(tmp_path / "map.npy", field(64, 5)[:60])
-    with pytest.raises(hdengine.FileError, match=r"\(1, 60, 64\)"):
-        specimen.read(tmp_path / "deep.npy", spacing=1e-6)
-    with pytest.raises(hdengine.FileError, match=r"1, 60, 64"):
-        hdengine.run_surface(out=str(tmp_path / "out"), fit__first_file=str(tmp_path / "deep.npy"), fit__dx=1e-6)
-    assert specimen.read(tmp_path / "map.npy", spacing=1e-6).heights.shape == (60, 64)
-
-
 @pytest.mark.parametrize("kind, letter, hole", [(0, "B", None), (1, "H", 2**16 - 1), (2, "I", 2**32 - 1), (4, "b", None)])
 def test_sdf_of_every_whole_number_reads(tmp_path, kind, letter, hole):
     """SDF with 8-bit or unsigned heights reads alike in Python and in the engine; the top of 16 and 32 bits is a hole."""
@@ -128,13 +117,6 @@ def test_sdf_of_a_wrong_scale_is_called_out(tmp_path, letter):
         (tmp_path / "a.sdf").write_text(f"aISO-1.0\nNumPoints = 64\nNumProfiles = 64\nXscale = {step}\nYscale = {step}\n"
                                         f"Zscale = 1\n*\n{body}\n*\n")
         assert any("lateral scale" in n for n in specimen.read(tmp_path / f"{letter}.sdf").notes) is doubt
-
-
-def test_units_are_one_or_two(tmp_path):
-    """Three units are an error that says how many there may be."""
-    np.save(tmp_path / "a.npy", field(64, 6))
-    with pytest.raises(hdengine.InputError, match="one unit, or two"):
-        specimen.read(tmp_path / "a.npy", ("um", "um", "um"), 1e-6)
 
 
 def test_a_text_that_ends_within_a_line_is_noted(tmp_path):

@@ -7,17 +7,6 @@ import hdengine
 from conftest import CD14, ROOT, SMALL, call, solve_small, solved
 
 
-def test_small_displacements_are_the_limit(exe, tmp_path):
-    """With a hundredth of the deformation the forces of both kinematics differ a hundred times less than with the whole."""
-    difference = []
-    for scale in (1, 0.01):
-        keys = [f"wave_generator.w={2e-4 * scale}", f"wave_generator.interference={1e-5 * scale}", "load.torque_steps=0",
-                "wave_generator.cam=cosine"]
-        a, b = (solve_small(exe, tmp_path / f"{k}{scale}", *keys, f"solver.kinematics={k}") for k in ("linear", "nonlinear"))
-        difference.append(abs(b.steps["normal_force_n"][-1] / a.steps["normal_force_n"][-1] - 1))
-    assert difference[0] > 0.005 and difference[1] < difference[0] / 50
-
-
 def test_newton_is_quadratic_and_moments_balance(exe, tmp_path):
     """Consistent tangent: between given pairs the last iterate squares the residual (factor as in test_joint_law); moments balance to a
     thousandth of the torque."""

@@ -165,12 +165,6 @@ def test_the_echo_is_a_namelist_to_others(small_run):
     assert len(found) > 70 and {key: scene[key] for key in found} == lists
 
 
-def test_an_input_is_a_file(exe):
-    """What cannot be read twice is no input: code 3 names it."""
-    done = call(exe, "/dev/null", "--check")
-    assert done.returncode == 3 and "/dev/null" in done.stderr
-
-
 @pytest.mark.parametrize("coding", ["utf-16", "utf-16-be", "utf-32"])
 def test_other_codings_are_one_error(exe, tmp_path, coding):
     """A scene in UTF-16 or UTF-32 ends with one line, of code 2, that says how to save it."""

@@ -306,10 +306,11 @@ def test_a_bar_follows_a_run(tmp_path, capsys):
 
 
 def test_a_time_limit_that_is_too_short_is_told(exe, tmp_path):
-    """A limit within which no load step fits is told with the first run and with those that resume it."""
+    """A limit within which no load step fits ends a run, and those that resume it, with code 7, a word of it and a summary that says so."""
     for words in ([], ["--resume"]):
         done = call(exe, CD14, *SMALL_WORDS, "solver.time_limit_s=1e-4", "--out", tmp_path / "r", *words)
         assert done.returncode == 7 and "longer solver.time_limit_s" in done.stderr
+        assert json.loads((tmp_path / "r/summary.json").read_text())["status"] == "stopped_at_limit"
 
 
 def test_two_studies_share_no_folder(tmp_path):

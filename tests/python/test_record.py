@@ -133,7 +133,7 @@ def test_tables_of_readings_are_whole_texts(tmp_path):
     lines = (ROOT / "data/torque_record.csv").read_text().splitlines()
     for rows, says in (([f"torque_nm,{lines[0]}", *(f"0,{line}" for line in lines[1:])], "'torque_nm' stands twice"),
                        ([*lines[:1200], f"{lines[1200]},7", *lines[1201:]], "line 1201: 3 cells"),
-                       ([*lines[:2400], "\0", *lines[2400:]], "no text")):
+                       ([*lines[:1200], "\0", *lines[1200:]], "no text")):
         (tmp_path / "r.csv").write_text("\n".join(rows))
         with pytest.raises(hdengine.HdengineError, match=says):
             Record.read(tmp_path / "r.csv")
@@ -154,16 +154,23 @@ def test_spline_reproduces_cubics():
     np.testing.assert_allclose(fine(x, 1), 3 * x**2, atol=1e-6)
 
 
-def test_command(tmp_path, capsys):
-    """`hdengine record` prints K1 with its band and writes a whole folder, which it replaces with --force alone."""
-    words = ["record", str(ROOT / "data/torque_record.csv"), "--out", str(tmp_path / "r")]
+def test_command(tmp_path, monkeypatch, capsys):
+    """`hdengine record` prints K1 with its band and writes a whole folder, the lines of a scene among it, which it replaces with --force
+    alone and never where a run lies there."""
+    monkeypatch.chdir(tmp_path)
+    words, out = ["record", str(ROOT / "data/torque_record.csv")], tmp_path / "torque_record.out"
     assert main(words) == 0 and "k1" in capsys.readouterr().out
-    found = json.loads((tmp_path / "r/record.json").read_text())
-    assert found["status"] == "complete" and {p.name for p in (tmp_path / "r").iterdir()} == {"record.json", *found["files"]}
+    found = json.loads((out / "record.json").read_text())
+    assert found["status"] == "complete" and {p.name for p in out.iterdir()} == {"record.json", "record.png", *found["files"]}
+    low, high = found["value_low_high"]["k1_nm_per_rad"][1:]
+    assert low < found["value_low_high"]["k1_nm_per_rad"][0] < high and read_csv(out / "curve.csv")["stiffness_nm_per_rad"].min() > 0
+    assert hdengine.read_scene(out / "scene.nml")["load.torque"] == pytest.approx(found["torque_max_nm"], rel=1e-5)
     rated = Record.read(ROOT / "data/torque_record.csv").numbers(rated_torque_nm=7.8, draws=2)  # of the size, as in a run; not the record's 5 N m
     assert found["value_low_high"]["lost_motion_rad"][0] == rated["lost_motion_rad"][0]
     assert main(words) == 3 and "--force" in capsys.readouterr().err
     assert main([*words, "--force"]) == 0
+    (out / "summary.json").write_text("{}")
+    assert main([*words, "--force"]) == 3 and "summary.json" in capsys.readouterr().err
 
 
 def test_torques_of_no_such_size_are_refused():

@@ -238,13 +238,6 @@ def test_shear_of_rounding_holds_nothing(exe, tmp_path):
     assert done.returncode == 4 and "not held" in done.stderr, done.stderr
 
 
-def test_time_limit_stops_in_order(exe, tmp_path):
-    """A run past its time limit ends with code 7 and a summary that says so."""
-    done = call(exe, CD14, *SMALL, "solver.time_limit_s=1e-6", "--out", tmp_path / "t.out", "-q")
-    assert done.returncode == 7
-    assert summary(tmp_path / "t.out")["status"] == "stopped_at_limit"
-
-
 def test_python_steps_give_the_same_numbers(small_run):
     """hdengine.Run, driven step by step, repeats the run of hdengine.x."""
     table = hdengine.load(small_run)

@@ -44,9 +44,9 @@ def test_ring_at_40_divisions(t):
 
 
 def test_ring_order():
-    """hex8i converges on the thin ring, once resolved, with order 2."""
-    coarse, fine = (error(elements.ring_harmonic(False, 0.3, n), "hex8i") for n in (80, 160))
-    assert 3.5 < coarse / fine < 5
+    """hex8i converges on the thin ring, once resolved, with order 2, and is 4 % off at 40 divisions at the most, 1 % at 80."""
+    first, coarse, fine = (abs(error(elements.ring_harmonic(False, 0.3, n), "hex8i")) for n in (40, 80, 160))
+    assert first < 0.04 and coarse < 0.01 and 3.5 < coarse / fine < 5
 
 
 def test_michell_agrees_with_thin_ring_theory():

@@ -226,7 +226,8 @@ def test_the_specimens_of_data_are_what_their_script_makes(tmp_path):
 
 
 @pytest.mark.parametrize("name, keys, says", [
-    ("m.npy", {}, "no lateral size"), ("m.npy", {"unit": "furlong", "spacing": 1e-6}, "furlong"), ("cube.npy", {"spacing": 1e-6}, "shape"),
+    ("m.npy", {}, "no lateral size"), ("m.npy", {"unit": "furlong", "spacing": 1e-6}, "furlong"), ("cube.npy", {"spacing": 1e-6}, r"\(4, 5, 6\)"),
+    ("m.npy", {"unit": ("um",) * 3, "spacing": 1e-6}, "one unit, or two"),
     ("g.xml", {"unit": "um"}, "states its unit"), ("g.xml", {"spacing": 1e-6}, "states its size"), ("bare.xml", {"unit": "um"}, "no lateral size"),
     ("few.xml", {}, "states 3 points and holds 2"), ("cut.xml", {}, "damaged or cut"),
     ("t.sdf", {}, "states 2 x 2 points and holds 3"), ("words.sdf", {}, "damaged"),

@@ -70,8 +70,9 @@ def test_lame_on_meshes_that_do_not_match(swap):
 
 @pytest.mark.parametrize("swap", (False, True))
 def test_curved_patch(swap):
-    """On cylinders that do not match, hex8i, a uniform state leaves an even pressure to 1e-12, either side slave."""
-    assert cc.lame(80, 64, "hex8i", swap=swap)["unevenness"] < 1e-12
+    """On cylinders that do not match, hex8i, a uniform state leaves an even pressure to 1e-12, that of Lame within 2 %, either side slave."""
+    r = cc.lame(80, 64, "hex8i", swap=swap)
+    assert r["unevenness"] < 1e-12 and abs(r["pressure_mean"]) < 0.02
 
 
 def test_holding_torque():

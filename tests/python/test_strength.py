@@ -6,7 +6,6 @@ import meshio
 import pytest
 
 from conftest import ROOT, call
-from hdengine import Run
 
 MESH = ["mesh.divisions=24", "mesh.band_facets=4", "load.torque_steps=1", "load.assembly_steps=1"]
 KINDS = {"hub": ("data/cd14.nml", []), "bearing": ("data/cd14.nml", ["load.support=bearing"]), "teeth": ("data/teeth.nml", []),
@@ -47,18 +46,3 @@ def test_a_body_that_yields_is_warned_of(exe, tmp_path):
         warnings = [w for w in solve(exe, tmp_path / "r", "data/cd14.nml", *strong, *filter(None, [weak]))[0]["warnings"] if " yields: " in w]
         assert [w.split()[1] for w in warnings] == [body][:len(warnings)] and len(warnings) == (body is not None)
         assert all(weak.split("=")[0] in w and "Lower load.torque" in w for w in warnings)
-
-
-def test_a_stopped_run_keeps_its_largest_stress(exe, tmp_path):
-    """A loop that is stopped behind its peak and goes on states the stress of the whole."""
-    keys = ["bearing.balls=12", "load.tooth_pairs=12", "loop.torques=12,-1", "load.torque_steps=2", "output.vtu=none"]
-    whole = solve(exe, tmp_path / "w", "tests/cases/pressed_drive.nml", *keys)[0]
-    with Run(ROOT / "tests/cases/pressed_drive.nml", out=tmp_path / "r", **{k.replace(".", "__"): v for k, v in (
-            key.split("=") for key in [*MESH, *keys])}) as run:
-        for _ in range(4):
-            run.advance()
-    again = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, *keys, "--out", tmp_path / "r", "--resume")
-    assert again.returncode == 0, again.stderr
-    found = json.loads((tmp_path / "r/summary.json").read_text())["results"]
-    for key in ("von_mises_max_pa", "flexspline_von_mises_max_pa", "goodman_safety_min"):
-        assert found[key] == whole["results"][key]

@@ -192,7 +192,7 @@ def test_two_specimens_add():
 
 
 @pytest.mark.parametrize("keys, words", [
-    ({"model": "best"}, "model"), ({"model": "ridges"}, "surface"), ({"weighted": True}, "weighted"),
+    ({"model": "best"}, "model"), ({"model": "ridges"}, "surface"),
     ({"band": (2e-6, 1e-6)}, "band"),
     ({"noise": -1.0}, "noise"), ({"noise": "much"}, "noise"), ({"noise": 1.0}, "nothing is left"),
     ({"surface": roughness.Ridges(1e-3, 1e-6, gamma=1.0)}, "gamma"), ({"surface": roughness.Ridges(1e-6, 1e-3)}, "shortest"),

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from conftest import ROOT
-from hdengine import InputError
 from hdengine.cli import main
 from hdengine.surfaces import roughness
 from hdengine.surfaces.specimen import Specimen, clean
@@ -116,30 +115,6 @@ def test_told_models_mask_too():
     assert masked.spikes == 7 and masked.seams == (1, 0) and kept.spikes == 0
     assert abs(masked.fractal_dimension - right.fractal_dimension) < right.fractal_dimension_error
     assert abs(kept.fractal_dimension - right.fractal_dimension) > right.fractal_dimension_error
-
-
-@pytest.mark.parametrize("second", [False, True])
-@pytest.mark.parametrize("direction", ["rows", "columns", (3, 2), (-2, 1)])
-def test_robust_structure_function(direction, second):
-    """Of white Gaussian noise the robust form gives 2 sigma^2 (6 sigma^2 of second differences) within 3 %, with one point of 200 at
-    30 sigma within 30 % where the plain form is off by a factor of four, and lags beyond the map have no pairs."""
-    rng = np.random.default_rng(8)
-    z, lags, s = rng.standard_normal((300, 280)), [1, 7], 6 if second else 2
-    call = {"direction": direction, "second": second}
-    _, robust, pairs = roughness.structure_function(z, DX, lags, robust=True, **call)
-    _, plain, same = roughness.structure_function(z, DX, lags, **call)
-    assert np.allclose(robust, s, rtol=0.03) and np.array_equal(pairs, same)
-    z.flat[rng.choice(z.size, z.size // 200, replace=False)] += 30
-    assert np.allclose(roughness.structure_function(z, DX, lags, robust=True, **call)[1], s, rtol=0.3)
-    assert np.all(roughness.structure_function(z, DX, lags, **call)[1] > 4 * s)
-    s, pairs = roughness.structure_function(z, DX, [400], robust=True, **call)[1:]
-    assert np.isnan(s[0]) and pairs[0] == 0
-
-
-def test_robust_form_goes_along_a_direction():
-    """The robust form over rings is an error that says so."""
-    with pytest.raises(InputError, match="robust"):
-        roughness.structure_function(np.random.default_rng(1).standard_normal((20, 20)), DX, direction="radial", robust=True)
 
 
 def test_the_command_levels_seams(tmp_path, capsys):

@@ -5,7 +5,7 @@ module hd_parameter_row
   use hd_text, only: string_t, push
   implicit none
   private
-  public :: parameter_t, parameter_table_t, add_integer, add_real, add_reals, add_list, add_choice, tolerate, close_table
+  public :: parameter_t, parameter_table_t, add_integer, add_real, add_reals, add_choice, tolerate, close_table
   public :: stage_model, stage_assembly, stage_load, stage_control, stage_output
 
   !> What a key affects first; everything after it in this order is affected too.
@@ -170,32 +170,20 @@ contains
     call append(table, group, key, affects, unit, meaning, row)
   end subroutine add_real
 
-  subroutine add_reals(table, group, key, affects, value, unit, low, high, meaning)
+  !> A list of numbers.
+  subroutine add_reals(table, group, key, affects, value, unit, low, high, meaning, count)
     type(parameter_table_t), intent(inout) :: table
     character(len=*), intent(in) :: group, key, affects, unit, meaning
     real(dp), intent(in), target :: value(:)
     real(dp), intent(in) :: low, high
+    integer, intent(in), target, optional :: count   !< how many count, one or more; left out: all
     type(parameter_t) :: row
     row%reals => value
+    if (present(count)) row%count => count
     row%low = low
     row%high = high
     call append(table, group, key, affects, unit, meaning, row)
   end subroutine add_reals
-
-  !> A list of one number or more.
-  subroutine add_list(table, group, key, affects, value, count, unit, low, high, meaning)
-    type(parameter_table_t), intent(inout) :: table
-    character(len=*), intent(in) :: group, key, affects, unit, meaning
-    real(dp), intent(in), target :: value(:)
-    integer, intent(in), target :: count
-    real(dp), intent(in) :: low, high
-    type(parameter_t) :: row
-    row%reals => value
-    row%count => count
-    row%low = low
-    row%high = high
-    call append(table, group, key, affects, unit, meaning, row)
-  end subroutine add_list
 
   subroutine add_choice(table, group, key, affects, value, choices, meaning)
     type(parameter_table_t), intent(inout) :: table

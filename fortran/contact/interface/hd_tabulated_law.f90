@@ -7,6 +7,7 @@ module hd_tabulated_law
   use hd_kinds, only: dp
   use hd_error, only: error_t, raise, code_input
   use hd_micro_slip, only: micro_slip_t, new_micro_slip
+  use hd_sorted, only: count_up_to
   use hd_text, only: to_text
   implicit none
   private
@@ -59,23 +60,6 @@ contains
     table%start = closure(1) - 1/table%slope(1)
   end subroutine new_closure_table
 
-  !> Interval of a rising list that holds x: 0 below the first entry, size - 1 ... size above the last.
-  pure integer function interval(list, x) result(i)
-    real(dp), intent(in) :: list(:)  !< rising
-    real(dp), intent(in) :: x        !< place
-    integer :: high, middle
-    i = 0
-    high = size(list) + 1
-    do while (high - i > 1)
-      middle = (i + high)/2
-      if (list(middle) <= x) then
-        i = middle
-      else
-        high = middle
-      end if
-    end do
-  end function interval
-
   !> Pressure in a known interval.
   pure subroutine evaluate(table, i, closure, pressure, normal)
     type(closure_table_t), intent(in) :: table     !< table
@@ -116,7 +100,7 @@ contains
     integer :: i, n
     n = size(table%log_p)
     l = log(pressure)
-    i = interval(table%log_p, l)
+    i = count_up_to(table%log_p, l)
     power = merge(1, 0, i == 0)
     if (i == 0 .or. i == n) then
       i = max(i, 1)
@@ -140,7 +124,7 @@ contains
     pressure = 0
     normal = 0
     if (trial <= c*table%start) return
-    i = interval(table%pressure + c*table%closure, trial)
+    i = count_up_to(table%pressure + c*table%closure, trial)
     low = merge(table%start, table%closure(max(i, 1)), i == 0)
     if (i == n) then
       x = low + (trial - table%pressure(n) - c*low)/(table%pressure(n)*table%slope(n) + c)

@@ -8,7 +8,7 @@ module hd_circulant
   use hd_circulant_side, only: circulant_side_t, collect_side, plan_side, fill_kernel, add_response, add_side_column, &
     release_side, line_up, fade_out
   use hd_error, only: error_t, raise, code_input
-  use hd_fft, only: execute_rows_single, free_rows, plan_rows_single, rows_plan_t
+  use hd_fft_single, only: execute_rows, free_rows, plan_rows, rows_plan_t
   use hd_harmonic_matrix, only: harmonic_matrix_t, new_harmonic_matrix
   use hd_system, only: stop_requested, check_stop
   use hd_harmonics, only: harmonics_t, new_harmonics, hold_loose, factorise_harmonics, solve_body, face_compliance, harmonic_entries
@@ -304,9 +304,9 @@ contains
         if (self%sector(j) < n) ring%field(3*self%row(j) - 2:3*self%row(j), self%sector(j) + 1) = real(w(:, j), sp)
       end do
       !$omp end parallel do
-      call execute_rows_single(ring%forward, n, ring%field, ring%wave, .true.)
+      call execute_rows(ring%forward, n, ring%field, ring%wave, .true.)
       call ring%hat%multiply_single(self%stride, ring%wave)
-      call execute_rows_single(ring%backward, n, ring%field, ring%wave, .false.)
+      call execute_rows(ring%backward, n, ring%field, ring%wave, .false.)
       !$omp parallel do schedule(static) if(size(w) > many/4)
       do j = 1, size(w, 2)
         f(:, j) = ring%field(3*self%row(j) - 2:3*self%row(j), modulo(self%sector(j), n) + 1)/real(n, sp)
@@ -355,7 +355,7 @@ contains
     !$omp end parallel do
     if (allocated(error)) return
     allocate (self%ring%field(3*self%rows, n/self%stride), self%ring%wave(3*self%rows, n/self%stride/2 + 1))
-    call plan_rows_single(n/self%stride, 3*self%rows, self%ring%field, self%ring%wave, self%ring%forward, self%ring%backward, error)
+    call plan_rows(n/self%stride, 3*self%rows, self%ring%field, self%ring%wave, self%ring%forward, self%ring%backward, error)
     self%inverted = .not. allocated(error)
   end subroutine invert_mean
 

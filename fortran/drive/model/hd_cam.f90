@@ -11,6 +11,7 @@ module hd_cam
   use hd_cam_table, only: cam_table_t, read_cam_table, radius_deviation
   use hd_error, only: error_t, raise, code_input
   use hd_scene, only: scene_t
+  use hd_sorted, only: count_up_to
   use hd_text, only: to_text
   implicit none
   private
@@ -279,19 +280,10 @@ contains
     real(dp), intent(out), optional :: normal(2)   !< outward
     real(dp), intent(out), optional :: bend        !< curvature [1/m]
     real(dp) :: s, phi, r, dr, ddr, speed, change, n(2)
-    integer :: low, high, i
+    integer :: low, i
     s = modulo((theta - self%offset - self%phi(1))/(2*pi), 1._dp)*self%length
-    low = 1
-    high = size(self%phi)
-    do while (high - low > 1)
-      i = (low + high)/2
-      if (self%arc(i) <= s) then
-        low = i
-      else
-        high = i
-      end if
-    end do
-    phi = self%phi(low) + (s - self%arc(low))/(self%arc(high) - self%arc(low))*(self%phi(high) - self%phi(low))
+    low = min(max(count_up_to(self%arc, s), 1), size(self%arc) - 1)
+    phi = self%phi(low) + (s - self%arc(low))/(self%arc(low + 1) - self%arc(low))*(self%phi(low + 1) - self%phi(low))
     do i = 1, 6
       call self%cam%polar(self%w, phi, r, dr, ddr)
       speed = hypot(r, dr)

@@ -5,6 +5,7 @@ module hd_cam_table
   use hd_gauss, only: gauss_3, weight_3
   use hd_kinds, only: dp, pi, hair
   use hd_error, only: error_t, raise, code_input
+  use hd_sorted, only: count_up_to
   use hd_text, only: to_text, join, printable
   implicit none
   private
@@ -143,22 +144,13 @@ contains
     real(dp), intent(out), optional :: du, ddu     !< by the angle [m]
     real(dp), intent(out), optional :: total       !< integral [m rad]
     real(dp) :: t, h, p, q
-    integer :: low, high, i
+    integer :: low
     t = table%theta(1) + modulo(theta - table%theta(1), 2*pi)
-    low = 1
-    high = size(table%theta)
-    do while (high - low > 1)
-      i = (low + high)/2
-      if (table%theta(i) <= t) then
-        low = i
-      else
-        high = i
-      end if
-    end do
-    h = table%theta(high) - table%theta(low)
+    low = min(max(count_up_to(table%theta, t), 1), size(table%theta) - 1)
+    h = table%theta(low + 1) - table%theta(low)
     q = (t - table%theta(low))/h
     p = 1 - q
-    associate (y => table%y(low:high), m => table%m(low:high))
+    associate (y => table%y(low:low + 1), m => table%m(low:low + 1))
       u = p*y(1) + q*y(2) + h**2/6*((p**3 - p)*m(1) + (q**3 - q)*m(2))
       if (present(du)) du = (y(2) - y(1))/h + h/6*((1 - 3*p**2)*m(1) + (3*q**2 - 1)*m(2))
       if (present(ddu)) ddu = p*m(1) + q*m(2)

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> One turn of the wave generator in the assembled drive, without torque: flexspline and ring move on by a facet at a time
-!> (hd_rolling) and come to equilibrium again, with the friction of where they were. What the assembly left in the contact is so
-!> worn off. Balls and cam keep their places; the cage, which lags behind, is left out.
+!> One turn of the wave generator in the assembled drive, without torque: flexspline and ring move on by a facet at a time and come
+!> to equilibrium again, with the friction of where they were. What the assembly left in the contact is so worn off. Seen from the
+!> wave generator the bodies turn backwards; balls and cam keep their places, and the cage, which lags behind, is left out.
 module hd_first_turn
   use hd_drive, only: drive_t
   use hd_error, only: error_t, raise, code_not_converged, code_stopped
@@ -9,7 +9,6 @@ module hd_first_turn
   use hd_log, only: say, detail
   use hd_newton, only: newton_options_t, iteration_t, iterate
   use hd_problem, only: load_t, state_t
-  use hd_rolling, only: roll_on
   use hd_system, only: stop_requested
   use hd_text, only: to_text
   implicit none
@@ -49,4 +48,30 @@ contains
     end do
     call say('turned    once, in '//to_text(n)//' facets')
   end subroutine turn_once
+
+  !> The state of all points, one facet on: every material point takes displacement, traction and slip along to where it stands
+  !> then. It is no equilibrium yet.
+  pure subroutine roll_on(drive, state)
+    type(drive_t), intent(in) :: drive      !< drive, as many facets round the ring as round the flexspline
+    type(state_t), intent(inout) :: state   !< converged, then turned
+    integer :: from(drive%problem%n), at(drive%problem%n), b, i, m
+    associate (problem => drive%problem)
+      do b = 1, size(problem%bodies)
+        associate (first => problem%first(b), body => problem%bodies(b))
+          from(first + 1:first + body%nodes()) = first + modulo([(i, i=1, body%nodes())] + body%nodes_per_sector - 1, &
+            body%nodes()) + 1
+        end associate
+      end do
+      m = problem%mortar%n
+      at = 0
+      at(problem%mortar%node) = [(i, i=1, m)]
+      state%u = state%u(:, from)
+      associate (point => at(from(problem%mortar%node)))
+        state%traction = state%traction(:, point)
+        state%slip = state%slip(:, point)
+        state%gap = state%gap(point)
+        state%contact = state%contact(point)
+      end associate
+    end associate
+  end subroutine roll_on
 end module hd_first_turn

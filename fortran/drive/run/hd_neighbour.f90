@@ -123,28 +123,11 @@ contains
     type(drive_t), allocatable :: light
     real(dp) :: value
     logical :: law, renewed
-    integer :: try, side
+    integer :: try
     do try = 1, -1, -2
       moved = scene
       associate (p => table%rows(row))
-        other%key%s = p%group//'.'//p%key
-        side = try
-        if (any(other%key%s == [character(len=17) :: 'loop.torque_1', 'loop.torque_2', 'loop.rated_torque'])) side = -try
-        other%idle = (any(p%group == [character(len=7) :: 'loop', 'fatigue', 'turning']) .and. .not. any(p%key == [ &
-          character(len=12) :: 'torques', 'rated_torque'])) .or. &
-          (scene%hard() .and. (p%group == 'joint' .or. index(p%key, 'yield') > 0))
-        if (associated(p%real)) then
-          if (any(p%unit == of_force)) other%force = p%real
-          other%change = side*change_of(p, abs(p%real))
-          p%real = p%real + other%change
-          fits = p%real > p%low .and. p%real < p%high
-        else
-          associate (x => p%reals(:value_count(p)))
-            other%change = side*change_of(p, maxval(abs(x)))
-            x = x + other%change
-            fits = all(x > p%low .and. x < p%high)
-          end associate
-        end if
+        call move_key(scene, p, try, other, fits)
         if (.not. fits) cycle
         allocate (faults(0))
         if (has_sections(moved)) then
@@ -190,6 +173,34 @@ contains
       end associate
     end do
   end subroutine change_key
+
+  !> Change a key of the neighbour's scene, upwards or downwards.
+  subroutine move_key(scene, p, way, other, fits)
+    type(scene_t), intent(in) :: scene           !< of the run
+    type(parameter_t), intent(inout) :: p        !< the key
+    integer, intent(in) :: way                   !< 1 or -1
+    type(neighbour_t), intent(inout) :: other    !< gets what is known of the key, and its change
+    logical, intent(out) :: fits                 !< the value is valid
+    integer :: side
+    other%key%s = p%group//'.'//p%key
+    side = way
+    if (any(other%key%s == [character(len=17) :: 'loop.torque_1', 'loop.torque_2', 'loop.rated_torque'])) side = -way
+    other%idle = (any(p%group == [character(len=7) :: 'loop', 'fatigue', 'turning']) .and. .not. any(p%key == [ &
+      character(len=12) :: 'torques', 'rated_torque'])) .or. &
+      (scene%hard() .and. (p%group == 'joint' .or. index(p%key, 'yield') > 0))
+    if (associated(p%real)) then
+      if (any(p%unit == of_force)) other%force = p%real
+      other%change = side*change_of(p, abs(p%real))
+      p%real = p%real + other%change
+      fits = p%real > p%low .and. p%real < p%high
+    else
+      associate (x => p%reals(:value_count(p)))
+        other%change = side*change_of(p, maxval(abs(x)))
+        x = x + other%change
+        fits = all(x > p%low .and. x < p%high)
+      end associate
+    end if
+  end subroutine move_key
 
   !> Find what of a drive is another's; of one with the run's bodies nothing else need be kept.
   subroutine compare_drives(scene, drive, other, law, light)

@@ -3,7 +3,7 @@
 module hd_cup_sections
   use hd_kinds, only: dp
   use hd_meridian, only: meridian_t, new_meridian
-  use hd_parameter_row, only: parameter_table_t, add_list, tolerate
+  use hd_parameter_row, only: parameter_table_t, add_reals, tolerate
   use hd_scene, only: scene_t
   use hd_text, only: string_t, push, to_text
   implicit none
@@ -19,16 +19,17 @@ contains
     type(scene_t), intent(inout), target :: s       !< scene
     type(parameter_table_t), intent(inout) :: t     !< table
     real(dp), parameter :: big = huge(1._dp)
-    call add_list(t, 'cup', 'sections_r', 'model', s%sections_r, s%sections_count(1), 'm', 0._dp, big, &
+    call add_reals(t, 'cup', 'sections_r', 'model', s%sections_r, 'm', 0._dp, big, &
       "distances from the axis of points on the cup's inside, from the opening along bore and bottom or flange to the hub; "// &
-      '0: the simple cup of &geometry')
-    call add_list(t, 'cup', 'sections_z', 'model', s%sections_z, s%sections_count(2), 'm', 0._dp, big, &
-      'distances of these points from the opening')
-    call add_list(t, 'cup', 'sections_thickness', 'model', s%sections_thickness, s%sections_count(3), 'm', 0._dp, big, &
-      'thickness of the wall at these points; where it jumps, the point stands twice, with the thickness before and behind it')
+      '0: the simple cup of &geometry', s%sections_count(1))
+    call add_reals(t, 'cup', 'sections_z', 'model', s%sections_z, 'm', 0._dp, big, &
+      'distances of these points from the opening', s%sections_count(2))
+    call add_reals(t, 'cup', 'sections_thickness', 'model', s%sections_thickness, 'm', 0._dp, big, &
+      'thickness of the wall at these points; where it jumps, the point stands twice, with the thickness before and behind it', &
+      s%sections_count(3))
     call tolerate(t, 0.1_dp, 'value', 'estimate')
-    call add_list(t, 'cup', 'sections_fillet', 'model', s%sections_fillet, s%sections_count(4), 'm', 0._dp, big, &
-      'radius of the inside at these points; 0: sharp; left out: all sharp')
+    call add_reals(t, 'cup', 'sections_fillet', 'model', s%sections_fillet, 'm', 0._dp, big, &
+      'radius of the inside at these points; 0: sharp; left out: all sharp', s%sections_count(4))
   end subroutine add_cup_keys
 
   !> Is the cup given by sections?

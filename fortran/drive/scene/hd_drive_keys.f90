@@ -2,7 +2,7 @@
 !> Keys of the whole drive, for the one table of hd_parameters.
 module hd_drive_keys
   use hd_kinds, only: dp
-  use hd_parameter_row, only: parameter_table_t, add_choice, add_integer, add_list, add_real, tolerate
+  use hd_parameter_row, only: parameter_table_t, add_choice, add_integer, add_real, add_reals, tolerate
   use hd_scene, only: scene_t
   implicit none
   private
@@ -46,9 +46,9 @@ contains
       'a facet if that is longer', closed=.true.)
     call add_real(t, 'bearing', 'patch_width', 'model', s%patch_width, 'm', 0._dp, big, &
       'width of this part, along the axis; 0: likewise', closed=.true.)
-    call add_list(t, 'loop', 'torques', 'load', s%torques, s%torque_count, 'N m', -big, big, &
+    call add_reals(t, 'loop', 'torques', 'load', s%torques, 'N m', -big, big, &
       "torques at the cup's bottom, one after the other, each reached in load.torque_steps, with support 'drive'; 0: "// &
-      'load.torque, 0, -load.torque, 0, load.torque')
+      'load.torque, 0, -load.torque, 0, load.torque', s%torque_count)
     call add_choice(t, 'loop', 'history', 'load', s%history, 'loop assembled turned', &
       'what the drive has been through where K1 to K3 are read. loop: the torque has gone up and down once, as on a bench; '// &
       'assembled: the wave generator was pushed in; turned: it has then made one turn')

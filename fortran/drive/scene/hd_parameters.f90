@@ -3,7 +3,7 @@
 module hd_parameters
   use hd_kinds, only: dp, i8
   use hd_text, only: string_t, push, to_text, exact, join, suggestion, lower, unquoted, to_number
-  use hd_parameter_row, only: parameter_t, parameter_table_t, add_integer, add_list, add_real, add_reals, add_choice, &
+  use hd_parameter_row, only: parameter_t, parameter_table_t, add_integer, add_real, add_reals, add_choice, &
     tolerate, close_table
   use hd_unit, only: in_unit, other_units
   use hd_cup_sections, only: add_cup_keys
@@ -186,13 +186,13 @@ contains
     call add_real(t, 'load', 'tooth_stiffness', 'model', s%tooth_stiffness, 'N/m', 0._dp, big, &
       'stiffness of a pair of teeth along its normal; the default is 14 N/(mm um) times the length of the rim')
     call tolerate(t, 0.3_dp, 'value', 'spread of ISO 6336 figures')
-    call add_list(t, 'load', 'tooth_gaps', 'load', s%gaps, s%gap_count, 'm', 0._dp, big, &
+    call add_reals(t, 'load', 'tooth_gaps', 'load', s%gaps, 'm', 0._dp, big, &
       'clearance of every pair at one end of the long axis, or at both, in the order of teeth.csv at tooth_phase 0, linear '// &
-      'between them at others; in the place of tooth_clearance; 0: none is given')
+      'between them at others; in the place of tooth_clearance; 0: none is given', s%gap_count)
     call tolerate(t, 1e-6_dp/17.5e-3_dp, 'bore', 'estimate')
-    call add_list(t, 'load', 'tooth_gaps_back', 'load', s%gaps_back, s%gap_back_count, 'm', 0._dp, big, &
+    call add_reals(t, 'load', 'tooth_gaps_back', 'load', s%gaps_back, 'm', 0._dp, big, &
       'clearance of the other flank of every pair, that a negative torque presses, where it differs from tooth_gaps; as many '// &
-      'values; 0: none is given')
+      'values; 0: none is given', s%gap_back_count)
     call add_real(t, 'load', 'tooth_clearance', 'load', s%tooth_clearance, 'm', 0._dp, big, &
       'clearance of the outermost pairs; it falls to 0 at the long axis, with the square of the distance', closed=.true.)
     call add_real(t, 'load', 'tooth_friction', 'load', s%tooth_friction, '', 0._dp, 1._dp, &

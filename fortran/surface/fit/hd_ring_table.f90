@@ -6,6 +6,7 @@ module hd_ring_table
   use hd_kinds, only: dp, pi
   use hd_error, only: error_t
   use hd_fft, only: forward_real_2d, forward_real
+  use hd_sorted, only: count_up_to
   implicit none
   private
   public :: ring_table_t, new_ring_table, taper, edges, reach, per_bin, far, falls
@@ -159,7 +160,7 @@ contains
           if (2 * kx == nint(t%side(1) / t%step(1)) .and. ky < 0) cycle       ! the mirror image of ky > 0
           f = hypot(kx / t%side(1), merge(ky / t%side(2), 0._dp, t%dim == 2))
           if (f >= edge(size(edge)) .or. f < edge(1)) cycle
-          r = ring_of(f, edge)
+          r = count_up_to(edge, f)
           if (pass == 1) then
             m(r) = m(r) + 1
             p(r) = p(r) + power(i, j)
@@ -244,7 +245,7 @@ contains
       real(dp), intent(in) :: f, value(2)     !< frequency, power
       integer :: q
       if (f < edge(1) .or. f >= edge(size(edge))) return
-      q = place(ring_of(f, edge))
+      q = place(count_up_to(edge, f))
       if (q == 0) return
       if (.not. t%p(q) > well_above * t%p(1) * (t%f(1) / f)**falls) return     ! what leaks lies beside the axes
       t%beside(k) = t%beside(k) + sum(value) / t%p(q)
@@ -257,7 +258,7 @@ contains
       real(dp), intent(in) :: f, value    !< frequency, power
       integer :: q
       if (f < edge(1) .or. f >= edge(size(edge))) return
-      q = place(ring_of(f, edge))
+      q = place(count_up_to(edge, f))
       if (q == 0) return
       if (.not. t%p(q) > 0) return
       t%axis(k) = t%axis(k) + value / max(t%p(q), t%p(1) * (t%f(1) / f)**falls)
@@ -265,21 +266,4 @@ contains
       on_axis(k) = on_axis(k) + 1
     end subroutine add
   end subroutine weigh_axes
-
-  !> Ring of a frequency.
-  pure integer function ring_of(f, edge)
-    real(dp), intent(in) :: f           !< frequency [1/m]
-    real(dp), intent(in) :: edge(:)     !< of the rings [1/m]
-    integer :: a, b
-    ring_of = 1
-    b = size(edge)
-    do while (b - ring_of > 1)
-      a = (ring_of + b) / 2
-      if (f >= edge(a)) then
-        ring_of = a
-      else
-        b = a
-      end if
-    end do
-  end function ring_of
 end module hd_ring_table

@@ -20,7 +20,6 @@ module hd_structure_fit
 
   !> How to fit.
   type :: fit_options_t
-    logical :: weighted = .false.     !< weight by the inverse covariance of ln S (only sound if the model is exact)
     logical :: fit_noise = .false.    !< white instrument noise is a third unknown
     real(dp) :: noise = 0             !< known rms noise, taken off S [m]
     logical :: told_band = .false.    !< the band of the model is told, not a guess: a spectrum is fitted over it
@@ -37,7 +36,7 @@ module hd_structure_fit
     real(dp) :: rms = 0                       !< rms of the residuals of ln S
     real(dp) :: rms_expected = 0              !< what sampling alone leaves, on average
     real(dp) :: misfit = 0                    !< rms of ln S the model itself must be off by
-    real(dp) :: chi2 = 0                      !< residuals weighted by their covariance (weighted fits)
+    real(dp) :: chi2 = 0                      !< residuals weighted by their covariance (an exact model)
     integer :: freedom = 0                    !< degrees of freedom
     real(dp), allocatable :: curve(:)         !< S of the model at the lags, noise included [m^2]
     real(dp), allocatable :: sd_sample(:)     !< standard deviation of measured ln S about the model's
@@ -60,8 +59,7 @@ contains
     real(dp), dimension(size(o%lag), size(o%lag)) :: cov, white
     real(dp), allocatable :: about(:)
     real(dp) :: y(size(o%lag)), shift(size(o%lag)), d, b, share, off
-    integer :: i, n
-    n = size(o%lag)
+    integer :: i
     off = 2 * options%noise**2
     if (.not. all(o%s - off > 0)) then
       i = findloc(o%s - off > 0, .false., 1)
@@ -71,14 +69,14 @@ contains
     end if
     y = log(o%s - off)
     e = new_expectation(o, p)
-    white = patches(o, options%weighted .or. p%model == model_paper)
+    white = patches(o, p%model == model_ridges .or. p%model == model_paper)
     shift = 0
     if (p%model /= model_ridges) call split_directions(o, e, y, white, shift)
     y = y - shift
     call search(e, y, white, about, options%fit_noise, d, b, share)
-    do i = 1, merge(2, 1, options%weighted)
+    do i = 1, 2
       call covariance(o, p, e, d, b, share, off, cov)
-      if (.not. options%weighted) exit
+      if (p%model /= model_ridges) exit  ! the inverse covariance is a sound weight where the model is exact
       about = b + shape_of(e, d, share)
       call whiten(cov, white)
       call search(e, y, white, about, options%fit_noise, d, b, share)
@@ -309,14 +307,14 @@ contains
     r%rms_expected = sqrt(max(left_over(identity(n), hat, cov), 0._dp) / n)
     total = cov
     sure = cov
-    if (.not. options%weighted .and. p%model /= model_ridges) then
+    if (p%model == model_ridges) then
+      r%chi2 = sum(matmul(white, res)**2)
+    else
       like = alike(o, 0.3_dp)
       spare = max(0._dp, sum(matmul(white, res)**2) - left_over(white, hat, cov))
       r%misfit = sqrt(spare / left_over(white, hat, like))
       total = cov + r%misfit**2 * like
       sure = cov + unexplained(o, res, hat) * spare / sum(matmul(white, res)**2)
-    else if (options%weighted) then
-      r%chi2 = sum(matmul(white, res)**2)
     end if
     curved = matmul(j, h)
     r%sd_curve = sqrt([(sum(matmul(curved(i, :), sure) * curved(i, :)), i=1, n)])

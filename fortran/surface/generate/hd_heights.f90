@@ -7,8 +7,10 @@ module hd_heights
   use hd_direct_sum, only: direct_sum
   use hd_error, only: error_t, raise, code_input
   use hd_memory, only: need_memory
-  use hd_nufft, only: nufft_t, new_nufft, nufft_sum
   use hd_nufft_plan, only: nufft_plan_t, plan_nufft
+  use hd_nufft_tiles, only: sum_tiles
+  use hd_nufft_tiles_single, only: sum_tiles_single => sum_tiles
+  use hd_nufft_waves, only: nufft_t, new_nufft
   use hd_plain_product, only: plain_t, new_plain, plain_sum
   use hd_plain_product_single, only: plain_single_t => plain_t, new_plain_single => new_plain, plain_sum_single => plain_sum
   use hd_system, only: addresses_limited, check_stop
@@ -149,7 +151,8 @@ contains
     type(plain_single_t) :: single
     if (method%evaluator == method_nufft) then
       call new_nufft(w, g, method%nufft, nufft)
-      call nufft_sum(nufft, error, z, z_single)
+      if (nufft%precision == in_double) call sum_tiles(nufft, nufft%x%piece, nufft%y%piece, error, z, z_single)
+      if (nufft%precision == in_single) call sum_tiles_single(nufft, nufft%x%piece_single, nufft%y%piece_single, error, z, z_single)
     else if (method%precision == in_single) then
       call new_plain_single(w, g, single)
       call plain_sum_single(single, z, z_single)

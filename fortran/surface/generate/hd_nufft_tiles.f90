@@ -3,8 +3,7 @@
 module hd_nufft_tiles
   use hd_kinds, only: dp, sp, rk => dp
   use hd_error, only: error_t
-  use hd_fft, only: fft_plan_t, free_plan, plan_complex, plan_backward_real, &
-    execute_complex, execute_backward_real
+  use hd_fft, only: fft_plan_t, free_plan, plan_complex, plan_backward_real, execute_complex, execute_backward_real
   use hd_nufft_waves, only: nufft_t, panel
   use hd_spread, only: wave_phases, window_rows, spread_rows
   use hd_window, only: widest

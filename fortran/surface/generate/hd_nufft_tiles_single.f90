@@ -3,10 +3,7 @@
 module hd_nufft_tiles_single
   use hd_kinds, only: dp, sp, rk => sp
   use hd_error, only: error_t
-  use hd_fft, only: fft_plan_t, free_plan, plan_complex => plan_complex_single, &
-    plan_backward_real => plan_backward_real_single, &
-    execute_complex => execute_complex_single, &
-    execute_backward_real => execute_backward_real_single
+  use hd_fft_single, only: fft_plan_t, free_plan, plan_complex, plan_backward_real, execute_complex, execute_backward_real
   use hd_nufft_waves, only: nufft_t, panel
   use hd_spread, only: wave_phases => wave_phases_single, &
     window_rows => window_rows_single, &

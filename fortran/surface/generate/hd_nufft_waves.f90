@@ -1,5 +1,10 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> The waves of a non-uniform FFT: where each lies among the fine points, its phase, and the order in which they are spread.
+!> The sum of waves by a non-uniform FFT: spread each wave over the fine points around its wave number, transform, divide by the
+!> transform of the window. Here are the waves: where each lies among the fine points, its phase, the order of spreading.
+!>
+!> Heights are real, so half the plane of wave numbers is enough. Rows are done in tiles (hd_nufft_tiles), each a transform of its
+!> own about its middle row: memory stays small, tiles are independent, and the result does not depend on the number of threads. Of
+!> the columns of wave numbers only those a wave has touched are transformed.
 module hd_nufft_waves
   use hd_kinds, only: dp
   use hd_nufft_plan, only: nufft_plan_t

@@ -203,7 +203,7 @@ contains
     told = f%shortest_wavelength > 0 .and. f%longest_wavelength > 0
     call measure(s%z, other, s%dx, s%dy, r%lags(1), r%lags(2), .true., &
       band_spectrum_t(model, 1 / r%band(2), 1 / r%band(1), ridges), &
-      fit_options_t(weighted=r%weighted, told_band=told), r%m, error)
+      fit_options_t(told_band=told), r%m, error)
     if (allocated(error)) return
     r%ridges = ridges
     if (r%m%of_lines) r%model = merge('profile  ', 'isotropic', size(s%z, 2) == 1)

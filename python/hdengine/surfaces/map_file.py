@@ -41,10 +41,8 @@ def read(path: Path, unit: str | tuple[str, str] | None, spacing: Spacing | None
     if not head:
         raise FileError(f"{path.name} is empty")
     if head[1:5] in (b"ISO-", b"BCR-") and head[:1] in b"ab":
-        if unit is not None:
-            raise InputError(f"{path.name} states its unit, m: leave out unit={unit!r}")
-        if spacing is not None:
-            raise InputError(f"{path.name} states its size: leave out spacing=")
+        _scales(path, "m", unit)
+        _check_size(path, True, spacing)
         if head[1:8] not in (b"ISO-1.0", b"BCR-1.0"):
             raise FileError(f"{path.name} is of version {head[1:8].decode('ascii', 'replace')!r}; valid: ISO-1.0, BCR-1.0")
         return _load(path) if head[:1] == b"b" else _load_text(path)
@@ -80,6 +78,14 @@ def _factor(unit, path):
     return METRES[unit]
 
 
+def _check_size(path, stated, spacing):
+    """Refuse a lateral size that is said again, or that nobody says."""
+    if stated and spacing is not None:
+        raise InputError(f"{path.name} states its size: leave out spacing=")
+    if not stated and spacing is None:
+        raise InputError(f"{path.name} states no lateral size: say spacing= in m")
+
+
 def _foreign(path, unit, spacing, channel):
     """A map or profile that SurfaceTopography reads."""
     try:
@@ -104,10 +110,7 @@ def _foreign(path, unit, spacing, channel):
         raise FileError(f"{path.name} cannot be read: its numbers run together as one profile, for its format is not known")
     lateral, height, notes = _scales(path, map_.unit, unit)
     notes += _cut(path)
-    if not sized and spacing is None:
-        raise InputError(f"{path.name} states no lateral size: say spacing= in m")
-    if sized and spacing is not None:
-        raise InputError(f"{path.name} states its size: leave out spacing=")
+    _check_size(path, sized, spacing)
     if info.dim == 1:
         x = np.asarray(map_.positions(), dtype=float) if spacing is None else None
         return _profile(path, x, heights, lateral, height, spacing, notes)
@@ -188,14 +191,8 @@ def _softgauge(path, unit, spacing):
         raise FileError(f"{path.name} is a damaged or cut softgauge file (XML with <DATAFILE>): {e}") from e
     if count != len(values):
         raise FileError(f"{path.name} states {count} points and holds {len(values)}: it is damaged or cut")
-    stated = (data.findtext("UNITS") or "").strip() or None
-    if stated is not None and unit is not None:
-        raise InputError(f"{path.name} states its unit, {stated}: leave out unit={unit!r}")
-    if step is not None and spacing is not None:
-        raise InputError(f"{path.name} states its size: leave out spacing=")
-    if step is None and spacing is None:
-        raise InputError(f"{path.name} states no lateral size: say spacing= in m")
-    lateral, height = (_factor(u, path) for u in _units(stated or unit))
+    lateral, height, _ = _scales(path, (data.findtext("UNITS") or "").strip() or None, unit)
+    _check_size(path, step is not None, spacing)
     try:
         step = roughness._spacing(spacing)[0] if step is None else _number(step.strip(), "SPACING") * lateral
     except ValueError as e:
@@ -224,8 +221,7 @@ def _load_array(path, unit, spacing, channel=None):
         raise FileError(f"{path.name} is a damaged or cut {'.npy' if channel is None else '.npz'} file: {e}") from e
     if z.ndim not in (1, 2) or z.dtype.kind not in "fiu":
         raise FileError(f"{path.name} holds {z.dtype} of shape {z.shape}: heights are real numbers, rows x points or one row")
-    if spacing is None:
-        raise InputError(f"{path.name} states no lateral size: say spacing= in m")
+    _check_size(path, False, spacing)
     factor = _factor(_units("m" if unit is None else unit)[1], path)
     dx, dy = roughness._spacing(spacing)
     return z.astype(float) * factor, (dy, dx), notes
@@ -252,10 +248,7 @@ def _plain(path, table, unit, spacing):
     notes += _cut(path)
     columns = table.values.shape[1]
     sized = columns in (2, 3)
-    if not sized and spacing is None:
-        raise InputError(f"{path.name} states no lateral size: say spacing= in m")
-    if sized and spacing is not None:
-        raise InputError(f"{path.name} states its size: leave out spacing=")
+    _check_size(path, sized, spacing)
     if columns == 1:
         return _profile(path, None, table.values[:, 0], lateral, height, spacing, notes)
     if columns > 3:

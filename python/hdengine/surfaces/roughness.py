@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import _engine
-from .._check import array, checked, flag, integers, kind, number, optional, word
+from .._check import array, checked, flag, integers, kind, number, word
 from .._engine import InputError
 from .._types import Spacing
 from .fit import Fit, Ridges, rows_alone
@@ -47,9 +47,9 @@ def _direction(name, value):
     return value if isinstance(value, str) else tuple(integers((2,), -2**30, 2**30)(name, value))
 
 
-@checked(lags=integers((None,), 1, optional=True), direction=_direction, second=flag, robust=flag)
+@checked(lags=integers((None,), 1, optional=True), direction=_direction, second=flag)
 def structure_function(heights: ArrayLike, spacing: Spacing, lags: Sequence[int] | None = None, direction: str | tuple = "rows",
-                       second: bool = False, robust: bool = False) -> tuple:
+                       second: bool = False) -> tuple:
     """Structure function S(tau) = mean (z(x + tau) - z(x))^2; NaN are holes.
 
     Short lags are summed directly, long ones come from FFTs; every value has a relative error below 1e-12.
@@ -66,9 +66,6 @@ def structure_function(heights: ArrayLike, spacing: Spacing, lags: Sequence[int]
         Along rows, along columns, mean over rings one spacing wide, or a step (p, q) in points along a row and in rows.
     second : bool
         Second-difference form, mean (z(x + tau) - 2 z(x) + z(x - tau))^2 = 4 S(tau) - S(2 tau): blind to tilt.
-    robust : bool
-        From the mean square root of the differences (Cressie and Hawkins 1980), which wrong points move less. It is right where
-        differences are Gaussian, and goes along a direction only.
 
     Returns
     -------
@@ -83,8 +80,8 @@ def structure_function(heights: ArrayLike, spacing: Spacing, lags: Sequence[int]
     z = _map(heights)
     dx, dy = _spacing(spacing)
     if isinstance(direction, str) and direction == "radial":
-        if second or robust:
-            raise InputError("the second-difference and the robust form are along a direction, not radial")
+        if second:
+            raise InputError("the second-difference form is along a direction, not radial")
         n = max(1, max(z.shape) // 2) if lags is None else int(np.max(lags))
         tau, s, pairs = _engine.call("structure_rings", z, dx, dy, max(n, 1))
         pick = slice(None) if lags is None else np.asarray(lags, dtype=int) - 1
@@ -101,24 +98,8 @@ def structure_function(heights: ArrayLike, spacing: Spacing, lags: Sequence[int]
     chosen = np.asarray(lags, dtype=np.int32)
     if chosen.ndim != 1 or chosen.size == 0 or chosen.min() < 1:
         raise InputError("lags must be a list of whole numbers >= 1")
-    if robust:
-        s, pairs = np.array([_robust_square(z, k * p, k * q, second) for k in chosen.tolist()]).T
-    else:
-        s, pairs = _engine.call("structure_direction", z, p, q, int(bool(second)), chosen)
+    s, pairs = _engine.call("structure_direction", z, p, q, int(bool(second)), chosen)
     return chosen * np.hypot(p * dx, q * dy), s, pairs
-
-
-def _robust_square(z, p, q, second):
-    """Mean square difference over a lag (p, q), q >= 0, or second difference, from the mean square root; number of pairs."""
-    span = 2 if second else 1
-    if span * abs(p) >= z.shape[0] or span * q >= z.shape[1]:
-        return float("nan"), 0
-    parts = [z[k * p if p >= 0 else (k - span) * p: z.shape[0] - (span - k) * p if p >= 0 else z.shape[0] + k * p,
-               k * q: z.shape[1] - (span - k) * q] for k in range(span + 1)]
-    d = parts[1] - parts[0] if not second else parts[2] - 2 * parts[1] + parts[0]
-    root = np.sqrt(np.abs(d[np.isfinite(d)]))
-    n = root.size
-    return (float(root.mean() ** 4 / (0.457 + 0.494 / n)), n) if n else (float("nan"), 0)
 
 
 @checked(tau=array(above=0), fractal_dimension=number(above=2, below=3), roughness=number(above=0), band=array((2,), least=0),
@@ -181,11 +162,11 @@ def _noise(name, value):
     return value if isinstance(value, str) else number(least=0)(name, value)
 
 
-@checked(lags=integers((2,), 0, optional=True), weighted=optional(flag), level=flag, band=array((2,), optional=True), noise=_noise,
+@checked(lags=integers((2,), 0, optional=True), level=flag, band=array((2,), optional=True), noise=_noise,
          outliers=flag)
 def fit(heights: ArrayLike, spacing: Spacing, lags: tuple[int, int] | None = None, model: str | None = None,
-        surface: Ridges | None = None, weighted: bool | None = None, level: bool = True, band: tuple[float, float] | None = None,
-        noise: float | str = 0.0, second: ArrayLike | None = None, outliers: bool = True) -> Fit:
+        surface: Ridges | None = None, level: bool = True, band: tuple[float, float] | None = None, noise: float | str = 0.0,
+        second: ArrayLike | None = None, outliers: bool = True) -> Fit:
     """Fit D and G to the structure function over a window of short lags.
 
     A sum of Eq. 1 (told by `surface`): two-step generalised least squares on the exact sum, errors from random phases. Any other
@@ -207,8 +188,6 @@ def fit(heights: ArrayLike, spacing: Spacing, lags: tuple[int, int] | None = Non
         "paper" is the straight line with the literature's (Majumdar-Bhushan) constant: G is wrong by 2.2 (profile) or 1.4.
     surface : Ridges, optional
         What is known of a surface made by Eq. 1.
-    weighted : bool, optional
-        Weight by the inverse covariance; default: for "ridges" only, where the model is exact.
     level : bool
         Take the least-squares plane off; the model accounts for what this takes from S.
     band : (float, float), optional
@@ -244,9 +223,6 @@ def fit(heights: ArrayLike, spacing: Spacing, lags: tuple[int, int] | None = Non
         raise InputError(f"model = {model!r}: one of {', '.join(_MODELS)}")
     if model == "ridges" and surface is None:
         raise InputError('model "ridges" needs surface=Ridges(...), what is known of the sum')
-    weighted = model == "ridges" if weighted is None else bool(weighted)
-    if weighted and model != "ridges":
-        raise InputError(f'weighted=True is sound for the exact model "ridges" only: with {model!r} it is biased many times over')
     told = band is not None
     if band is None:
         band = surface.band if surface is not None else (min(dx, dy), max((z.shape[0] - 1) * dx, (z.shape[1] - 1) * dy))
@@ -260,9 +236,9 @@ def fit(heights: ArrayLike, spacing: Spacing, lags: tuple[int, int] | None = Non
     if model == "ridges" and waves.ridges * (waves.n_max + 1) > _MOST_WAVES:
         raise InputError(f"{waves.ridges * (waves.n_max + 1)} waves: the covariance takes up to {_MOST_WAVES}; leave out surface=")
     options = _engine.named(
-        "fit_options", first_lag=lags[0], last_lag=lags[1], level=level, model=_MODELS[model], weighted=weighted,
-        fit_noise=free, ridges=waves.ridges, n_max=waves.n_max, told=told, mask=outliers, f_lo=1 / band[1],
-        f_hi=1 / band[0] if band[0] > 0 else inf, gamma=waves.gamma, length=waves.length, noise=rms)
+        "fit_options", first_lag=lags[0], last_lag=lags[1], level=level, model=_MODELS[model], fit_noise=free, ridges=waves.ridges,
+        n_max=waves.n_max, told=told, mask=outliers, f_lo=1 / band[1], f_hi=1 / band[0] if band[0] > 0 else inf, gamma=waves.gamma,
+        length=waves.length, noise=rms)
     columns = 2 * max(1, int(lags[1]) - int(lags[0]) + 1) if lags[1] <= max(z.shape) else 2  # the engine refuses such lags
     found = [_engine.names(values) for values in ("fit", "fit_curves", "fit_rings")]
     sizes = [len(found[0]), columns, _RINGS]
@@ -272,7 +248,7 @@ def fit(heights: ArrayLike, spacing: Spacing, lags: tuple[int, int] | None = Non
         band = (1 / v["f_hi"], 1 / v["f_lo"])
     elif model == "spectrum":
         model = "profile" if profile else "isotropic"
-    result = _result(v, curves, text, model, weighted, surface, lags, band, level, dx, dy)
+    result = _result(v, curves, text, model, surface, lags, band, level, dx, dy)
     result = replace(result, rows_alone=rows_alone(lags, z.T, *[] if second is None else [other.T]))
     return result if np.isnan(rings["frequency"][0]) else replace(result, **_spectrum(v, rings))
 
@@ -298,7 +274,7 @@ def _interval(v, kind=""):
     return tuple(d), tuple(np.exp(np.clip(ln_g, -600, 600)).tolist())
 
 
-def _result(v, curves, text, model, weighted, ridges, lags, band, levelled, dx, dy):
+def _result(v, curves, text, model, ridges, lags, band, levelled, dx, dy):
     """Pack what the engine returns."""
     name, _, reason = text.partition("\n")
     cov = np.reshape([v[f"cov_{i}"] for i in range(1, 10)], (3, 3))
@@ -310,7 +286,7 @@ def _result(v, curves, text, model, weighted, ridges, lags, band, levelled, dx, 
         ln_roughness_error=(v["ln_g_high"] - v["ln_g_low"]) / 3.919928,
         covariance=cov, interval=_interval(v), sampling_interval=_interval(v, "_sampling"),
         noise_m=float(np.sqrt(v["noise_variance"])), verdict=_VERDICTS[int(v["verdict"])], kind=name.strip(), reason=reason.strip(),
-        model=model, weighted=weighted, ridges=ridges, lags=tuple(lags),
+        model=model, weighted=model == "ridges", ridges=ridges, lags=tuple(lags),
         ensemble="random phases" if model == "ridges" else "Gaussian field",
         band_m=tuple(band), rms=v["rms"], rms_expected=v["rms_expected"], misfit=v["misfit"], chi2=v["chi2"],
         freedom=int(v["freedom"]) if np.isfinite(v["freedom"]) else 0,

@@ -91,7 +91,7 @@ def ranges_of(scene: Mapping, ranges: Mapping) -> dict:
 class ContactField:
     """Pressure and shear of one load step; K_TS for other joints without solving the contact again.
 
-    Exact for the keys of &joint; keys that change the contact itself need a new run.
+    To 0.1 % for the keys of &joint: where contact ends, points keep the means of the run's joint. Others need a new run.
 
     Parameters
     ----------

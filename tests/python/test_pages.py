@@ -81,7 +81,7 @@ def copy_checkout(folder):
     for name in ("hd", "meson.build", "meson.options", "pyproject.toml"):
         shutil.copy(ROOT / name, folder)
     for name in ("config", "fortran", "python", "tests/fortran"):
-        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__", "_keys.py"))
     (folder / "data").unlink()  # a coarse drive: the whole one is run by docs/start/first_run.md
     (folder / "data").mkdir()
     scene = (ROOT / "data/drive14.nml").read_text()

@@ -1,15 +1,14 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
 """hdengine/_keys.py, which the build makes: a TypedDict for each group of keys, so that editors complete them.
 
-Usage: tools/typed_keys.py HDENGINE.X; prints the module, made of what `hdengine.x --explain all` says.
+Called with the path of hdengine.x; prints the module, made of what `hdengine.x --explain all` says.
 """
 import re
 import subprocess
 import sys
 
 HEAD = '''# SPDX-License-Identifier: GPL-3.0-or-later
-"""Keys of a scene by group, for editors and type checkers. Made by tools/typed_keys.py of the engine's table."""
+"""Keys of a scene by group, for editors and type checkers. Made by python/typed_keys.py of the engine's table."""
 from __future__ import annotations
 
 from collections.abc import Sequence

@@ -401,8 +401,6 @@ contains
       cause = 'bodies move by more than '//rounded(farthest(run%scene, run%model%drive%radius))//' m'
       advice = '. No drive turns that far: lower load.torque'
     end if
-    if (run%scene%support%struts .and. run%scene%large() .and. run%scene%frictionless()) advice = '. '// &
-      "Without friction nothing resists the ring's turn: give contact.friction, or solver.kinematics = 'linear'"
     if (proportional(run) .and. len(advice) == 0) tries = tries//' (raise solver.max_iterations)'
     call raise(error, code_not_converged, cause//' in the '// &
       trim(merge('assembly', 'torque  ', run%place < assembled(run%scene)))//' step beyond load factor '// &

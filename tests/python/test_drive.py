@@ -448,11 +448,26 @@ def test_pairs_of_large_displacements_are_where_they_belong(exe, tmp_path):
         assert found[f"{name}_nm_per_rad"] == pytest.approx(value, rel=5e-8)
 
 
-def test_large_displacements_without_friction_are_told_what_is_missing(exe, tmp_path):
-    """Nothing resists the ring's turn then: a drive that does not converge is told so."""
-    done = call(exe, ROOT / "tests/cases/pressed_drive.nml", *MESH, "solver.kinematics=nonlinear", "contact.mode=frictionless", "solver.max_cuts=0",
-                "solver.max_iterations=15", "--out", tmp_path / "f", "-q")
-    assert done.returncode == 4 and "Without friction nothing resists the ring's turn: give contact.friction" in done.stderr
+def test_a_ring_without_friction_stands_under_large_displacements(exe, tmp_path):
+    """Nothing resists its turn: it drifted from round to round of the pairs, and the torque ended with code 4 below 1.1 N m. What holds its
+    mean turn takes next to no moment, and few iterations settle a step."""
+    done = call(exe, ROOT / "data/drive14.nml", "mesh.divisions=32", "mesh.band_facets=4", "load.assembly_steps=2", "load.torque_steps=1",
+                "solver.kinematics=nonlinear", "loop.torques=5,0", "contact.friction=0", "output.vtu=none", "run.band=.false.",
+                "--out", tmp_path / "f", "-q")
+    assert done.returncode == 0, done.stderr
+    steps = read_csv(tmp_path / "f/steps.csv")
+    assert abs(steps["ring_spring_torque_nm"]).max() < 1e-3 * 5 and abs(steps["torque_balance_nm"]).max() < 1e-6
+    assert steps["iterations"].max() < 20
+
+
+@pytest.mark.parametrize("kinematics", ["linear", "nonlinear"])
+def test_no_torque_turns_no_bottom(exe, tmp_path, kinematics):
+    """In the play of the teeth rounding sent it to the flanks, 5.8e-5 rad away; with large displacements it never came to rest: code 4."""
+    done = call(exe, ROOT / "data/drive14.nml", "mesh.divisions=32", "mesh.band_facets=4", "load.assembly_steps=2", "load.torque_steps=1",
+                f"solver.kinematics={kinematics}", "loop.torques=0,0", "output.vtu=none", "run.band=.false.", "solver.time_limit_s=60",
+                "--out", tmp_path / "z", "-q")
+    assert done.returncode == 0, done.stderr
+    assert abs(read_csv(tmp_path / "z/steps.csv")["rotation_rad"]).max() < 1e-6
 
 
 def test_the_plan_measures_large_displacements_on_the_drive(exe):

@@ -7,7 +7,7 @@ module hd_checksum
   private
   public :: checksum, joined_checksum, file_checksum, hexadecimal
 
-  integer(int64), parameter, public :: whole = -1  !< bytes: all that a file has
+  integer(int64), parameter, public :: whole = -1  !< in the place of a number of bytes, all that a file has
 
   interface
     pure integer(c_long_long) function c_checksum(before, bytes, n) bind(c, name='hd_bytes_checksum')

@@ -18,6 +18,8 @@ module hd_strut
     real(dp), allocatable :: weight(:, :)    !< in their dofs (3, nodes)
     real(dp) :: rate = 0                     !< K [N/m^power]
     real(dp) :: power = 1                    !< exponent
+    logical :: pulls = .false.               !< a stay, which pulls too, F = K closing; whoever makes struts sets it too, for
+                                             !< gfortran 12 leaves arrays that a function returns without what stands here
   end type strut_t
 
   !> How the first struts of a problem are placed anew as the bodies move under them.
@@ -67,6 +69,7 @@ contains
     real(dp), intent(in) :: closing       !< [m]
     f = 0
     if (closing > 0) f = strut%rate*closing**strut%power
+    if (strut%pulls) f = strut%rate*closing
   end function strut_force
 
   !> Its derivative [N/m].
@@ -75,6 +78,7 @@ contains
     real(dp), intent(in) :: closing       !< [m]
     k = 0
     if (closing > 0) k = strut%power*strut%rate*closing**(strut%power - 1)
+    if (strut%pulls) k = strut%rate
   end function strut_tangent
 
   !> Energy stored at a closing [J].
@@ -83,6 +87,7 @@ contains
     real(dp), intent(in) :: closing       !< [m]
     e = 0
     if (closing > 0) e = strut%rate*closing**(strut%power + 1)/(strut%power + 1)
+    if (strut%pulls) e = strut%rate*closing**2/2
   end function strut_energy
 
   !> Forces of struts with given tangents under closings, all of them linear; what they stand on gives way [N].

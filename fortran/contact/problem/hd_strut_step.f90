@@ -15,6 +15,7 @@ module hd_strut_step
   type :: ahead_t
     logical :: some = .false.    !< some do, in the present step
     logical :: held = .false.    !< none does in the rest of the load step
+    real(dp) :: pull = huge(1._dp) !< of those that had parted, when they counted last [N]
     logical :: at_rest = .false. !< the state is in equilibrium: without a torque those that just touch push by rounding alone
   end type ahead_t
 
@@ -24,7 +25,8 @@ contains
   !> a wheel that nothing holds would turn far in one step of Newton's method, and rub the contact into a state far from the
   !> solution. So do those that have only just come off without a torque: it leaves the wheel where it is, and the sign of rounding
   !> errors must not send it across the play. Where struts counted, are open now, and some points stick, the contact holds the
-  !> wheel: counting them again would never end.
+  !> wheel: counting them again would never end. A pull that a correction leaves is none of rounding: the contact draws the wheel
+  !> off, and they are let go. Nor is there any to count where no torque and no residual moves the wheel, and points stick.
   subroutine count_ahead(problem, load, u, sticks, ahead, r)
     type(problem_t), intent(inout) :: problem  !< with strut_rate, which gets these struts
     type(load_t), intent(in) :: load           !< load
@@ -34,25 +36,28 @@ contains
     real(dp), intent(inout) :: r(:, :)         !< out-of-balance forces (3, n), get their pull [N]
     real(dp), parameter :: near = 1e-6_dp, just_off = 1e-9_dp  !< of struts that close together, of one that has just parted [m]
     real(dp), parameter :: rounded = 1e-12_dp  !< of one that rounding has parted in equilibrium [m]
+    real(dp), parameter :: lasting = 0.5_dp    !< share of a pull that a correction leaves: it is none of rounding
     real(dp), parameter :: unfelt = 1e-6_dp    !< share of a strut's force at `just_off` that is no torque
     real(dp), allocatable :: closing(:)
     logical, allocatable :: linear(:), pushes(:)
-    logical :: parted
-    real(dp) :: off
+    logical :: idle, parted
+    real(dp) :: felt, off
     integer :: i
     if (.not. (allocated(problem%struts) .and. problem%wheel_turns)) return
     closing = strut_closings(problem, load, u)
-    linear = problem%struts%power < straight .and. closing > -1
+    linear = problem%struts%power < straight .and. .not. problem%struts%pulls .and. closing > -1
     if (allocated(problem%rub)) linear(size(linear) - size(problem%rub%partner) + 1:) = .false.
     if (.not. any(linear)) return
     ahead%held = ahead%held .or. (ahead%some .and. sticks .and. .not. any(linear .and. closing > -just_off))
     ahead%some = .false.
     off = merge(rounded, just_off, ahead%at_rest)
-    parted = any(linear .and. closing > -off) .and. &
-      .not. abs(sum(load%force(2, problem%wheel))) > unfelt*just_off*maxval(problem%struts%rate, mask=linear)
+    felt = unfelt*just_off*maxval(problem%struts%rate, mask=linear)
+    idle = .not. abs(sum(load%force(2, problem%wheel))) > felt
+    parted = idle .and. any(linear .and. closing > -off)
+    idle = idle .and. sticks .and. .not. (parted .or. abs(sum(r(2, problem%wheel))) > felt)
     pushes = linear .and. problem%strut_rate > 0
     if (ahead%at_rest .and. parted) pushes = pushes .and. closing > off
-    if (ahead%held .or. any(pushes)) return
+    if (ahead%held .or. idle .or. any(pushes)) return
     do i = 1, size(closing)
       linear(i) = linear(i) .and. merge(closing(i) > -off, &
         sum(problem%struts(i)%weight(2, :))*sum(r(2, problem%wheel)) < 0, parted)
@@ -61,6 +66,12 @@ contains
     ahead%some = any(linear)
     where (linear) problem%strut_rate = problem%struts%rate
     closing = linear_forces(problem, merge(min(0._dp, closing), 0._dp, linear))
+    ahead%held = parted .and. sum(abs(closing)) > lasting*ahead%pull
+    if (parted) ahead%pull = sum(abs(closing))
+    if (ahead%held) then
+      where (linear) problem%strut_rate = 0
+      return
+    end if
     do i = 1, size(closing)
       if (linear(i)) call push(problem%struts(i), closing(i), r)
     end do

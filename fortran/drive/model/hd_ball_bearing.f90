@@ -86,6 +86,7 @@ contains
     integer :: i
     struts%rate = ball_rate(scene)
     struts%power = 1.5_dp
+    struts%pulls = .false.
     do i = 1, scene%balls
       call patch%place(i, struts(i), none)
     end do

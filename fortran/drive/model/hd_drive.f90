@@ -21,7 +21,7 @@ module hd_drive
   use hd_rim_load, only: even_shear, tooth_forces
   use hd_contact_law, only: contact_mode
   use hd_flank_friction, only: memories, rub_t
-  use hd_strut, only: absent, closing_of
+  use hd_strut, only: absent, closing_of, strut_t
   use hd_strut_step, only: remember
   use hd_spline_ring, only: flank_compliance
   use hd_tooth_flanks, only: flank_struts, tooth_gaps
@@ -53,7 +53,8 @@ module hd_drive
     real(dp) :: hub_radius = 0               !< [m]
     integer, allocatable :: hub(:)           !< nodes at the inner edge of the bottom
     integer :: balls = 0                     !< of the struts the first are balls,
-    integer :: flanks = 0                    !< the next flanks, two for each pair; then come companions of flanks that rub
+    integer :: flanks = 0                    !< the next flanks, two for each pair,
+    integer :: stays = 0                     !< then what keeps a ring from turning; last come companions of flanks that rub
     real(dp), allocatable :: way(:)          !< radial way of the cam at the balls, less clearance, after the assembly [m]
     real(dp), allocatable :: slope(:)        !< its derivative round the axis; without balls at the nodes of `inner` [m/rad]
   end type drive_t
@@ -222,11 +223,14 @@ contains
     type(drive_t), intent(inout) :: drive  !< gets its problem's struts and wheel
     type(face_t) :: inside
     type(ball_patch_t) :: patch
+    integer, allocatable :: rim(:)
     integer :: i
     drive%balls = scene%balls
     drive%flanks = 2*scene%tooth_pairs
     associate (problem => drive%problem, ring => drive%problem%bodies(drive%b_ring))
       problem%struts = flank_struts(scene, problem%bodies(drive%b_cup), drive%rim, problem%first(drive%b_cup))
+      drive%stays = 0
+      if (scene%large() .and. scene%balls > 0 .and. scene%frictionless()) call add_stay(drive)
       call strip_face(drive%ring, ring, 1, 1, size(drive%ring%inner, 2), drive%radius - scene%ring_thickness, inside)
       if (scene%balls > 0) then
         patch = ball_patches(scene, inside, ring%sectors, problem%first(drive%b_ring))
@@ -239,11 +243,31 @@ contains
         spread(0._dp, 1, drive%flanks), spread(.false., 1, drive%flanks))
       if (scene%spline == 'free') then
         problem%strut_give = spread(problem%struts%rate*0, 2, size(problem%struts))
-        problem%strut_give(drive%balls + 1:, drive%balls + 1:) = flank_compliance(scene)
+        rim = drive%balls + [(i, i=1, drive%flanks), (i, i=drive%flanks + drive%stays + 1, size(problem%struts) - drive%balls)]
+        problem%strut_give(rim, rim) = flank_compliance(scene)
       end if
       problem%wheel = drive%hub
     end associate
   end subroutine set_struts
+
+  !> Without friction nothing resists the turn of a ring on balls, and large displacements let it drift. It is a body of revolution
+  !> and may stand anywhere: a stay holds the mean of what its inner face has come round the axis, and nothing else.
+  subroutine add_stay(drive)
+    type(drive_t), intent(inout) :: drive   !< gets the stay behind its flanks
+    type(strut_t), allocatable :: struts(:)
+    integer :: n
+    allocate (struts(size(drive%problem%struts) + 1))
+    n = drive%flanks + 1
+    struts(:n - 1) = drive%problem%struts(:n - 1)
+    struts(n + 1:) = drive%problem%struts(n:)
+    struts(n)%pulls = .true.
+    struts(n)%rate = drive%problem%law%scale*drive%radius**2
+    struts(n)%node = nodes_on(drive, drive%b_ring, drive%ring%inner)
+    allocate (struts(n)%weight(3, size(struts(n)%node)), source=0._dp)
+    struts(n)%weight(2, :) = 1._dp/size(struts(n)%node)
+    call move_alloc(struts, drive%problem%struts)
+    drive%stays = 1
+  end subroutine add_stay
 
   !> The teeth touch, or lie apart by their clearances: offsets of the flanks at the end of the assembly, without friction yet.
   subroutine touch_teeth(scene, drive, u, state)
@@ -449,7 +473,7 @@ contains
     type(state_t), intent(in), optional :: state, before  !< as of drive_load
     load%closing = [real(dp) :: assembly*drive%way, spread(absent, 1, drive%flanks), &
       spread(0._dp, 1, size(drive%problem%struts) - drive%balls - drive%flanks)]
-    load%past = reshape([real(dp) ::], [memories, size(load%closing) - drive%balls - drive%flanks], pad=[0._dp])
+    load%past = reshape([real(dp) ::], [memories, size(load%closing) - drive%balls - drive%flanks - drive%stays], pad=[0._dp])
     if (present(state)) then
       if (size(state%touch) > 0) load%closing(drive%balls + 1:drive%balls + drive%flanks) = state%touch
       if (size(state%past) > 0) load%past = state%past

@@ -113,6 +113,7 @@ contains
           strut%rate = scene%tooth_stiffness
           if (kind > 2) strut%rate = tangent_stiffness(scene)
           strut%power = 1
+          strut%pulls = .false.
           strut%node = pack(nodes, abs(line(2, nodes)) > 0)
           allocate (strut%weight(3, size(strut%node)), source=0._dp)
           strut%weight(1, :) = along(1, kind)*line(2, strut%node)

@@ -57,6 +57,9 @@ contains
           call push(problem%struts(i), -force(i), strut)
         end do
         all = all + body_resultant(drive, state, strut, 1) + body_resultant(drive, state, strut, 2)
+        do i = drive%balls + drive%flanks + 1, drive%balls + drive%flanks + drive%stays
+          torque%ring_springs = torque%ring_springs - strut_moment(drive, state, i, force(i), drive%b_ring)
+        end do
       end if
       torque%balance = all(3)
       torque%lateral = all(:2)

@@ -96,7 +96,7 @@ contains
       loop%wave_generator_torque = moment_on_cam(drive, load, state, force)
       loop%flank_moment = [(strut_moment(drive, state, i, force(i), drive%b_cup), i=n + 1, n + drive%flanks)]
       if (allocated(problem%rub)) loop%flank_moment = loop%flank_moment + &
-        [(strut_moment(drive, state, i, force(i), drive%b_cup), i=n + drive%flanks + 1, size(force))]
+        [(strut_moment(drive, state, i, force(i), drive%b_cup), i=n + drive%flanks + drive%stays + 1, size(force))]
       if (.not. step%loaded) then
         loop%torque = [0._dp]
         loop%angle = [0._dp]
@@ -413,7 +413,7 @@ contains
     integer :: i, n
     n = drive%balls
     rub = 0
-    if (size(loop%force) > n + drive%flanks) rub = loop%force(n + drive%flanks + 1:)
+    if (size(loop%force) > n + drive%flanks + drive%stays) rub = loop%force(n + drive%flanks + drive%stays + 1:)
     associate (teeth => merge(loop%force(n + 1:n + drive%flanks), 0._dp, &
         loop%force(n + 1:n + drive%flanks) > rounding*loop%tooth_force_max))
       call add_place(output%loop, step)

@@ -403,8 +403,6 @@ contains
       cause = 'bodies move by more than '//rounded(farthest(run%scene, run%model%drive%radius))//' m'
       advice = '. No drive turns that far: lower load.torque'
     end if
-    if (run%scene%support%struts .and. run%scene%large() .and. run%scene%frictionless()) advice = '. '// &
-      "Without friction nothing resists the ring's turn: give contact.friction, or solver.kinematics = 'linear'"
     if (run%least < rounding) then
       cause = 'the residual stands at '//rounded(run%least)//', which is rounding,'
       advice = '. Raise solver.tolerance above it'

@@ -244,6 +244,7 @@ contains
     allocate (light)
     light%balls = drive%balls
     light%flanks = drive%flanks
+    light%stays = drive%stays
     light%interference = other%drive%interference
     light%problem%law = other%drive%problem%law
     if (allocated(drive%problem%struts)) then
@@ -383,7 +384,8 @@ contains
     closing = strut_closings(problem, load, u)
     force = forces_at(problem, load, closing)
     if (.not. problem%wheel_turns) return
-    pull = merge(closing, 0._dp, problem%struts%power < straight .and. rate > 0 .and. closing < 0 .and. closing > -1)
+    pull = merge(closing, 0._dp, problem%struts%power < straight .and. .not. problem%struts%pulls .and. rate > 0 .and. &
+      closing < 0 .and. closing > -1)
     if (.not. any(abs(pull) > 0)) return
     problem%strut_rate = rate
     force = force + linear_forces(problem, pull)

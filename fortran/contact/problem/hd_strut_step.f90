@@ -25,8 +25,9 @@ contains
   !> a wheel that nothing holds would turn far in one step of Newton's method, and rub the contact into a state far from the
   !> solution. So do those that have only just come off without a torque: it leaves the wheel where it is, and the sign of rounding
   !> errors must not send it across the play. Where struts counted, are open now, and some points stick, the contact holds the
-  !> wheel: counting them again would never end. A pull that a correction leaves is none of rounding: the contact draws the wheel
-  !> off, and they are let go. Nor is there any to count where no torque and no residual moves the wheel, and points stick.
+  !> wheel: counting them again would never end. Under large displacements a pull that a correction leaves is none of rounding: the
+  !> contact draws the wheel off, and they are let go. Nor is there any to count where no torque and no residual moves the wheel,
+  !> and points stick. Small ones draw no wheel, and there both would hang on the rounding of the linear solver.
   subroutine count_ahead(problem, load, u, sticks, ahead, r)
     type(problem_t), intent(inout) :: problem  !< with strut_rate, which gets these struts
     type(load_t), intent(in) :: load           !< load
@@ -54,7 +55,7 @@ contains
     felt = unfelt*just_off*maxval(problem%struts%rate, mask=linear)
     idle = .not. abs(sum(load%force(2, problem%wheel))) > felt
     parted = idle .and. any(linear .and. closing > -off)
-    idle = idle .and. sticks .and. .not. (parted .or. abs(sum(r(2, problem%wheel))) > felt)
+    idle = idle .and. sticks .and. allocated(problem%pairing) .and. .not. (parted .or. abs(sum(r(2, problem%wheel))) > felt)
     pushes = linear .and. problem%strut_rate > 0
     if (ahead%at_rest .and. parted) pushes = pushes .and. closing > off
     if (ahead%held .or. idle .or. any(pushes)) return
@@ -66,7 +67,7 @@ contains
     ahead%some = any(linear)
     where (linear) problem%strut_rate = problem%struts%rate
     closing = linear_forces(problem, merge(min(0._dp, closing), 0._dp, linear))
-    ahead%held = parted .and. sum(abs(closing)) > lasting*ahead%pull
+    ahead%held = parted .and. allocated(problem%pairing) .and. sum(abs(closing)) > lasting*ahead%pull
     if (parted) ahead%pull = sum(abs(closing))
     if (ahead%held) then
       where (linear) problem%strut_rate = 0

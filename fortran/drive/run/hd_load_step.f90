@@ -37,7 +37,7 @@ module hd_load_step
   real(dp), parameter :: unbalanced = 1e-2_dp   !< share of the torque out of balance that is refused,
   real(dp), parameter :: of_pressure = 1e-6_dp  !< beyond rounding: this of normal force times radius
   real(dp), parameter :: used_up = 1.003_dp  !< capacity of friction over the torque at which no further part is worth a trial
-  real(dp), parameter :: rounding = 1e-10_dp  !< residual, relative, that a failed iteration stood at for rounding alone
+  real(dp), parameter :: rounding = 1e-11_dp  !< residual, relative, that a failed iteration stood at for rounding alone
   integer, parameter :: few_iterations = 10  !< after so few the next part of a load step may be twice as long
 
 contains

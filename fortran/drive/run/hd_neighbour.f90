@@ -141,8 +141,8 @@ contains
         if (.not. fits) cycle
         other%scene = moved
         other%joint = joint
-        law = felt .and. any(p%group == [character(len=8) :: 'material', 'joint', 'contact'])
         other%rough = any(p%group == [character(len=8) :: 'material', 'joint', 'contact'])
+        law = felt .and. other%rough
         if (law) call scene_joint(moved, other%joint, error, scene, joint)
         if (allocated(error) .or. other%idle) return
         renewed = p%stage(scene%formed(), .not. scene%hard()) < stage_model

@@ -58,7 +58,7 @@ module hd_run
     logical :: unsettled = .false.          !< an iteration was left in the middle: mesh and factors are of no more use
     integer :: first_step = 0               !< load steps before this process took the run up
     integer :: period = 0                   !< of the cycle in which the contact states ran last, 0: none
-    real(dp) :: least = 0                   !< residual of the last attempt at a load step
+    real(dp) :: least = huge(1._dp)         !< residual of the last attempt at a load step
     integer :: loose_points = 0             !< that touched last, where none of them stuck, else 0
     logical :: far = .false.                !< the last iterate that failed has bodies far away
     type(facets_t) :: facets                !< of the last converged step

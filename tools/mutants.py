@@ -160,7 +160,7 @@ def drawn(count, seed):
         text = (ROOT / path).read_text()
         if path.endswith(".f90") and re.search(r"^module ", text, re.M) and "/f2py_" not in path:
             found = fortran_mutants(text)
-        elif path.endswith(".py") and "from __future__" in text:
+        elif path.endswith(".py") and "from __future__" in text and path != "python/typed_keys.py":  # which the build runs
             found = python_mutants(text)
         else:
             continue

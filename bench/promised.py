@@ -32,10 +32,9 @@ from common import DATA, ROOT, add_row, mesh_of_level, read_rows
 STEPS, FIELD = "k_ts_tangent_steps_nm_per_rad", "pressure_field_pa"   # several numbers each
 ALL_FROM = 2717   # seed from which every eighth scene is one against the teeth
 BAND = tuple(mesh_of_level(level)["mesh.band_facets"] for level in range(1, 14))
-NAMES = {"k_ts_bonded_nm_per_rad": "tangent K_TS", "rotation_rad": "rotation", "normal_force_n": "normal force",
-         "pressure_mid_mean_pa": "mid-band pressure", "k_fe_secant_nm_per_rad": "K_FTS", "pressure_mid_max_pa": "mid-band peak",
-         STEPS: "K_TS of all steps", FIELD: "pressure field"}
-DRIVE_NAMES = ("k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad", "hysteresis_rad")
+PROMISES = dict(zip(hdengine._engine.names("promise_columns"), hdengine._engine.names("promise_words")))
+DRIVE_NAMES = tuple(n for n in PROMISES if n in hdengine._engine.names("loop"))
+NAMES = {n: words for n, words in PROMISES.items() if n not in DRIVE_NAMES}
 DRIVES = ("drive11", "drive14", "drive17", "drive20", "drive25", "drive32", "drive40", "drive20_50", "drive20_160", "drive14_hat")
 POWER = 1.5
 LIMIT_MB = 300

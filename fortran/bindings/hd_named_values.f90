@@ -8,6 +8,7 @@ module hd_named_values
   use hd_error, only: error_t, raise, code_internal
   use hd_facets, only: sum_names, facet_names
   use hd_loop_results, only: loop_names
+  use hd_support, only: supports_where
   implicit none
   private
   public :: names_of, named_list_t
@@ -58,9 +59,10 @@ contains
     case ('fit'); names = fit_names
     case ('fit_curves'); names = fit_curve_names
     case ('fit_rings'); names = fit_ring_names
-    case ('promises'); names = promise_names(columns=.true.)
-    case ('promise_names'); names = promise_names(columns=.false.)
-    case default; names = ''
+    case ('promise_columns', 'promise_names', 'promise_words', 'promise_units'); names = promise_names(list(len('promise_') + 1:))
+    case default
+      names = ''
+      if (index(list, 'support_') == 1) names = supports_where(list(len('support_') + 1:))
     end select
   end function names_of
 

@@ -7,6 +7,7 @@ import logging
 import os
 import threading
 import time
+from collections.abc import Mapping
 from types import SimpleNamespace
 from typing import Any
 
@@ -263,6 +264,11 @@ os.register_at_fork(before=lambda: _lock.acquire(), after_in_parent=lambda: _loc
 def names(values: str) -> tuple[str, ...]:
     """Names of the places of a list of numbers that crosses to the engine and back (hd_named_values)."""
     return tuple(call_text("value_names", values).split(","))
+
+
+def supported(scene: Mapping[str, Any], answer: str) -> bool:
+    """An answer of `support_t` (hd_support) holds of the scene's support: contact, loop, struts, teeth ..."""
+    return scene["load.support"] in names(f"support_{answer}")
 
 
 def named(values: str, **given: float) -> np.ndarray:

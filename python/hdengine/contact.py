@@ -109,7 +109,7 @@ class Run:
                 raise _engine.FileError(f"'{out}' cannot be made: {e.strerror or e}") from None
         self._handle = _engine.call("run_open", str(path), lines or " ", str(out) or " ", int(force), int(resume),
                                      int(allow_implausible))
-        self._teeth = read_scene(path, **keys)["load.support"] == "teeth"
+        self._teeth = _engine.supported(read_scene(path, **keys), "against_teeth")
         self.facets, self.axial_facets, self.dof, self.load_steps = (int(n) for n in _engine.call("run_sizes", self._handle))
         self.done = False
 

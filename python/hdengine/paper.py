@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from . import torsion
 from ._check import ROUNDING
+from ._engine import supported
 from .catalogue import UNITS
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ def of_size(scene: Mapping[str, Any]) -> bool:
 
 def applies(scene: Mapping[str, Any]) -> bool:
     """The scene is that of the paper in size, and its torque passes the contact."""
-    return of_size(scene) and scene["contact.mode"] != "bonded" and scene["load.support"] != "teeth"
+    return of_size(scene) and scene["contact.mode"] != "bonded" and supported(scene, "contact")
 
 
 def at(rows: Sequence[Mapping], torque_nm: float, column: str = "k_ts_nm_per_rad") -> float:

@@ -196,7 +196,7 @@ class Result:
     @property
     def against_teeth(self) -> bool:
         """The cup turns against the teeth, ring bonded: K_FTS is asked for, and Eq. 45 says nothing."""
-        return self.scene["load.support"] == "teeth"
+        return _engine.supported(self.scene, "against_teeth")
 
     @property
     def teeth(self) -> np.ndarray:
@@ -330,7 +330,7 @@ class Result:
                  ("torque / N m", found.get("reference_torque_nm", self.torque_nm[-1]))]
         cells = "".join(f"<tr><td>{html.escape(name)}</td><td>{value:.4g}</td></tr>" for name, value in rows)
         picture, buffer = "", io.BytesIO()
-        if self.scene["load.support"] == "drive" and (self.folder / "loop.csv").exists():
+        if _engine.supported(self.scene, "loop") and (self.folder / "loop.csv").exists():
             from .figures.drive import plot_loop
 
             plot_loop(self).savefig(buffer, format="png", dpi=70)
@@ -465,7 +465,7 @@ class Result:
             was planned.
         """
         plan = self.summary.get("plan", {})
-        names = zip(_engine.names("promises"), _engine.names("promise_names"))
+        names = zip(_engine.names("promise_columns"), _engine.names("promise_names"))
         return {key: (_known(plan[key]), plan[f"estimated_error_{n}"], plan[f"mesh_over_limit_{n}"])
                 for key, n in names if key in plan}
 

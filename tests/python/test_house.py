@@ -196,6 +196,12 @@ def test_bounds_have_names(path):
     assert [x for x in compared(path) if x not in COMMON] == []
 
 
+def test_supports_are_asked():
+    """Python asks the engine what holds of a support (hd_support) and compares no names of supports."""
+    for path in (ROOT / "python").rglob("*.py"):
+        assert not re.search(r"""load\.support["'][\])]*,? *(==|!=|(not )?in [\["'(])""", path.read_text()), path
+
+
 @pytest.mark.parametrize("path", SOURCES, ids=lambda p: p.stem)
 def test_formats_hold_no_small_i(path):
     """Integers are written by I: the compiler's library compares capitals, and in a Turkish locale that of i is another letter."""

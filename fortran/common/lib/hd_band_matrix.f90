@@ -50,7 +50,7 @@ contains
     integer :: info
     call dpbtrf('U', size(u, 2), size(u, 1) - 1, u, size(u, 1), info)
     if (info > 0) call raise(error, code_linear_solver, &
-      'the stiffness matrix is singular: a body is not held; check load.support, contact.mode and units of lengths')
+      'the stiffness matrix is singular: a body is not held; check supports, contact and units of lengths')
   end subroutine factorise_band
 
   !> Solve for two right-hand sides or more in place.

@@ -135,8 +135,8 @@ contains
     call dpotrf('U', size(a, 1), a, size(a, 1), info)
     if (info > 0) then
       call raise(error, code_linear_solver, &
-        'the stiffness condensed to the contact is singular: a body is not held; check load.support, contact.mode and '// &
-        'units of lengths')
+        'the stiffness condensed to the contact is singular: a body is not held; check supports, contact and units '// &
+        'of lengths')
       return
     end if
     call dpotri('U', size(a, 1), a, size(a, 1), info)
@@ -223,6 +223,6 @@ contains
     if (info == 0 .and. n > 0) call dgetrs('N', n, size(b, 2), a, n, rows, b, n, info)
     if (present(pivot)) call move_alloc(rows, pivot)
     if (info > 0) call raise(error, code_linear_solver, 'the condensed contact matrix is singular at unknown '// &
-      to_text(info)//': a body is not held; check load.support, contact.mode and units of lengths')
+      to_text(info)//': a body is not held; check supports, contact and units of lengths')
   end subroutine solve_dense
 end module hd_lapack

@@ -151,11 +151,11 @@ contains
     select case (infog(1))
     case (-10, -6)
       call raise(error, code_linear_solver, &
-        'the stiffness matrix is singular: a body is not held; check load.support, contact.mode and units of lengths'//codes)
+        'the stiffness matrix is singular: a body is not held; check supports, contact and units of lengths'//codes)
     case (-8, -9, -13, -19, -22)
       call raise(error, code_memory, 'out of memory in the factorisation of '//to_text(n)// &
-        ' unknowns, which needs some '//to_text(infog(16))//' MB: reduce mesh.divisions or mesh.band_facets, or let '// &
-        "solver.method = 'auto' and solver.factors = 'auto' choose"//codes)
+        ' unknowns, which needs some '//to_text(infog(16))//' MB: take a coarser mesh, or '// &
+        'leave the choice of the solver to the program'//codes)
     case default
       call raise(error, code_internal, 'the sparse solver failed'//codes)
     end select

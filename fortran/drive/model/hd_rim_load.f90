@@ -82,10 +82,11 @@ contains
     real(dp), intent(in) :: place        !< meridian, in sectors from theta = 0
     real(dp), intent(in) :: amount       !< factor
     real(dp), intent(inout) :: weight(:) !< of the body's nodes; their sum grows by amount times the length of the rim [m]
+    real(dp), parameter :: rounding = 1e-9_dp  !< of a place that stands on the border of two sectors
     real(dp) :: z(2), part, xi(2), n(8)
     integer :: sector, rows, f, g
     rows = size(face%nodes, 2)/body%sectors
-    sector = floor(place + 1e-9_dp)
+    sector = floor(place + rounding)
     xi(1) = 2*(place - sector) - 1
     do f = rows*modulo(sector, body%sectors) + 1, rows*modulo(sector, body%sectors) + rows
       z = face%chart(2, [1, 4], f)

@@ -238,10 +238,11 @@ contains
     real(dp), dimension(size(facets%area)) :: low, high, part, slope
     real(dp) :: corner(4, size(facets%area))
     real(dp) :: z(2, size(facets%area)), middle, half
+    real(dp), parameter :: a_fifth = 0.2_dp
     integer :: grid(2)
     z = drive%face%chart(2, [1, 3], :)
     middle = 0.5_dp*(minval(z) + maxval(z))
-    half = 0.1_dp*(maxval(z) - minval(z))
+    half = 0.5_dp*a_fifth*(maxval(z) - minval(z))
     low = max(z(1, :), middle - half)
     high = min(z(2, :), middle + half)
     part = max(0._dp, high - low)/(z(2, :) - z(1, :))*facets%area

@@ -77,9 +77,9 @@ contains
     end do
   end function wanted_of
 
-  !> Columns of all promises, or their names, parted by commas.
-  pure function promise_names(columns) result(text)
-    logical, intent(in) :: columns  !< the former
+  !> Columns of all promises, their names, words or units, parted by commas.
+  pure function promise_names(part) result(text)
+    character(len=*), intent(in) :: part  !< columns, names, words or units
     character(len=:), allocatable :: text
     type(promise_t) :: list(2*promises)
     integer :: i
@@ -87,8 +87,12 @@ contains
     text = ''
     do i = 1, size(list)
       if (list(i)%last == 0) cycle
-      if (columns) text = text//','//trim(list(i)%column)
-      if (.not. columns) text = text//','//trim(list(i)%name)
+      select case (part)
+      case ('columns'); text = text//','//trim(list(i)%column)
+      case ('names'); text = text//','//trim(list(i)%name)
+      case ('words'); text = text//','//trim(list(i)%words)
+      case ('units'); text = text//','//trim(list(i)%unit)
+      end select
     end do
     text = text(2:)
   end function promise_names

@@ -179,9 +179,10 @@ contains
   pure type(place_t) function cautious(run, slip_torque) result(place)
     type(run_t), intent(in) :: run            !< run
     real(dp), intent(in) :: slip_torque       !< estimate of the slip torque [N m]
+    real(dp), parameter :: four_fifths = 0.8_dp  !< the torque of slip is an estimate
     real(dp) :: now
     now = abs(run%step%torque)
-    place = place_at(run%scene, now + 0.8_dp*max(0._dp, slip_torque - now))
+    place = place_at(run%scene, now + four_fifths*max(0._dp, slip_torque - now))
   end function cautious
 
   !> Try to reach a place; the state changes only if that succeeds.

@@ -3,7 +3,7 @@
 module hd_support
   implicit none
   private
-  public :: support_t, support_of, support_names, support_words
+  public :: support_t, support_of, supports_where, support_names, support_words
 
   type :: support_t
     character(len=32) :: name = 'hub'
@@ -30,4 +30,26 @@ contains
     character(len=*), intent(in) :: name  !< one of `support_names`
     support = supports(findloc(supports%name == name, .true., 1))
   end function support_of
+
+  !> Names of the supports of which an answer holds, parted by commas; empty where nobody answers that.
+  pure function supports_where(answer) result(names)
+    character(len=*), intent(in) :: answer  !< a component of support_t, or 'teeth': pairs of teeth carry load
+    character(len=:), allocatable :: names
+    logical :: holds(size(supports))
+    integer :: i
+    holds = .false.
+    select case (answer)
+    case ('contact'); holds = supports%contact
+    case ('friction_alone'); holds = supports%friction_alone
+    case ('against_teeth'); holds = supports%against_teeth
+    case ('struts'); holds = supports%struts
+    case ('loop'); holds = supports%loop
+    case ('teeth'); holds = supports%against_teeth .or. supports%struts
+    end select
+    names = ''
+    do i = 1, size(supports)
+      if (holds(i)) names = names//','//trim(supports(i)%name)
+    end do
+    names = names(min(2, len(names) + 1):)
+  end function supports_where
 end module hd_support

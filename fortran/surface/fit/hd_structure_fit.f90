@@ -44,6 +44,9 @@ module hd_structure_fit
   end type fit_t
 
   real(dp), parameter :: whole = 0.99_dp        !< share of a direction in a lag's S that is all of it
+  real(dp), parameter :: change_of_d = 1e-4_dp  !< in central differences: they are right to its square
+  real(dp), parameter :: misfit_range = 0.3_dp  !< of ln tau over which a model is off alike, by judgement
+  real(dp), parameter :: least_jitter = 1e-15_dp !< relative, of a covariance that rounding makes indefinite
   real(dp), parameter :: most_noise = 0.999_dp  !< share of noise at the first lag: at 1 nothing is left of the surface
 
 contains
@@ -260,7 +263,7 @@ contains
     real(dp) :: jitter
     integer :: i
     logical :: definite
-    jitter = 1e-15_dp
+    jitter = least_jitter
     do
       white = cov
       do i = 1, size(cov, 1)
@@ -310,7 +313,7 @@ contains
     if (p%model == model_ridges) then
       r%chi2 = sum(matmul(white, res)**2)
     else
-      like = alike(o, 0.3_dp)
+      like = alike(o, misfit_range)
       spare = max(0._dp, sum(matmul(white, res)**2) - left_over(white, hat, cov))
       r%misfit = sqrt(spare / left_over(white, hat, like))
       total = cov + r%misfit**2 * like
@@ -333,11 +336,10 @@ contains
     real(dp), intent(in) :: h(:, :), res(:)         !< estimator (unknowns, n), residuals of ln S
     real(dp), intent(in) :: cov(:, :), sure(:, :)   !< covariance of ln S by sampling, with misfit
     type(fit_t), intent(inout) :: r                 !< result
-    real(dp) :: first(size(e%v, 1)), change(size(e%v, 1)), t(3, 3), g(3, size(res)), step, u(3)
+    real(dp) :: first(size(e%v, 1)), change(size(e%v, 1)), t(3, 3), g(3, size(res)), u(3)
     integer :: i
-    step = 1e-4_dp
     first = expected_log(e, d)
-    change = (expected_log(e, d + step) - expected_log(e, d - step)) / (2 * step)
+    change = (expected_log(e, d + change_of_d) - expected_log(e, d - change_of_d)) / (2 * change_of_d)
     r%d = d
     r%ln_g = (b + log(1 - share) - first(1)) / (2 * (d - 2))
     r%noise_variance = 0.5_dp * share * exp(b)
@@ -363,9 +365,8 @@ contains
     type(expectation_t), intent(in) :: e      !< table
     real(dp), intent(in) :: d, share          !< estimate
     integer, intent(in) :: unknowns           !< 2 or 3
-    real(dp) :: j(size(e%v, 1), unknowns), h, s(size(e%v, 1))
-    h = 1e-4_dp
-    j(:, 1) = (shape_of(e, d + h, share) - shape_of(e, d - h, share)) / (2 * h)
+    real(dp) :: j(size(e%v, 1), unknowns), s(size(e%v, 1))
+    j(:, 1) = (shape_of(e, d + change_of_d, share) - shape_of(e, d - change_of_d, share)) / (2 * change_of_d)
     j(:, 2) = 1
     if (unknowns < 3) return
     s = expected_log(e, d)

@@ -5,8 +5,10 @@ module hd_uncertainty
   use hd_observation, only: observation_t
   implicit none
   private
-  public :: identity, left_over, alike, unexplained, interval_95
+  public :: identity, left_over, alike, unexplained, interval_95, in_95
 
+  real(dp), parameter :: in_95 = 1.959964_dp    !< standard deviations each way that hold 95 % of a normal distribution
+  real(dp), parameter :: ripple = 0.15_dp       !< of ln tau over which residuals are alike, see unexplained
   real(dp), parameter :: least_left = 0.02_dp   !< share of a residual that the fit leaves at least: the first lag is nearly met
 
 contains
@@ -19,7 +21,7 @@ contains
     integer, intent(in) :: i                !< which, 1 or 2
     real(dp) :: x(2), q, away, reach
     integer :: k
-    q = 1.959964_dp**2
+    q = in_95**2
     away = 0                                ! of the free variance below 0, squared, in its standard errors
     if (c(3, 3) > 0 .and. u(3) < 0) away = u(3)**2 / c(3, 3)
     do k = 1, 2
@@ -52,7 +54,7 @@ contains
     real(dp) :: cov(size(res), size(res)), seen(size(res))
     integer :: i, j
     seen = [(res(i) / sqrt(max(hat(i, i), least_left)), i=1, size(res))]
-    cov = alike(o, 0.15_dp)
+    cov = alike(o, ripple)
     do j = 1, size(res)
       do i = 1, size(res)
         cov(i, j) = cov(i, j) * seen(i) * seen(j) * merge(1, 0, any(o%share(:, i) * o%share(:, j) > 0))

@@ -54,6 +54,7 @@ contains
     integer, intent(out) :: n_max                     !< largest exponent
     integer(i8), intent(out) :: count                 !< number of waves
     type(error_t), allocatable, intent(out) :: error  !< what is wrong
+    real(dp), parameter :: rounding = 1e-9_dp  !< of a band of whole octaves of gamma
     real(dp) :: exponent
     n_max = 0
     count = 0
@@ -74,7 +75,7 @@ contains
       call raise(error, code_input, 'ridges = '//to_text(s%ridges)//': must be at least 1')
     end if
     if (allocated(error)) return
-    exponent = (log(s%length) - log(s%shortest)) / log(s%gamma) + 1e-9_dp
+    exponent = (log(s%length) - log(s%shortest)) / log(s%gamma) + rounding
     if (exponent >= real(most_waves, dp) / s%ridges) then
       call raise(error, code_input, 'n_max = ln(length / shortest_wavelength) / ln(gamma) = '//to_text(exponent)// &
         ' makes more than '//to_text(most_waves)//' waves: take a larger gamma or shortest_wavelength')

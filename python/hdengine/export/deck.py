@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from .._check import input_file, package
-from .._engine import FileError, HdengineError
+from .._engine import FileError, HdengineError, supported
 from ..results import Result
 from .cards import SIDES, body_cards, contact_cards, equation_cards, node_cards, set_cards, strut_cards, surface_cards
 
@@ -123,7 +123,7 @@ def _rim_forces(run, mesh, step):
     radial, around = np.zeros(len(points)), np.zeros(len(points))
     arm, alpha = scene["geometry.bore_radius"] + scene["geometry.rim_thickness"], np.radians(scene["load.pressure_angle_deg"])
     torque = float(run.torque_nm[step])
-    if scene["load.support"] in ("drive", "teeth"):
+    if supported(scene, "teeth"):
         table = run.teeth[run.teeth["step"] == run.steps["step"][step]]
         rubbed = "friction_n" in table.dtype.names
         pairs = [(row["theta_rad"], row["force_n"], row["friction_n"] if rubbed else 0.0, row["flank"]) for row in table
@@ -263,7 +263,7 @@ def to_deck(run: Result) -> str:
     for name, of in (("SLAVE", mesh.facing(1, 1)), ("MASTER", mesh.facing(2, -1, *band))):
         lines += surface_cards(name, zip(mesh.of[of], mesh.number[of]))
     friction = scene["contact.friction"] * (scene["contact.mode"] == "frictional")
-    bonded = scene["contact.mode"] == "bonded" or scene["load.support"] == "teeth"
+    bonded = scene["contact.mode"] == "bonded" or not supported(scene, "contact")
     if bonded:
         lines += ["*TIE, NAME=GLUE, POSITION TOLERANCE=0.1", "SLAVE, MASTER"]
     else:
@@ -272,7 +272,7 @@ def to_deck(run: Result) -> str:
     held = [(n, d) for n in sets["HUB"] for d in range(3)] + [(n, 2) for n in sets["MIDDLE"]]
     if not struts:
         held += [(n, 0) for n in sets["INSIDE"]]
-        if scene["wave_generator.ring_tangent"] == "follow" or scene["load.support"] == "bearing":
+        if scene["wave_generator.ring_tangent"] == "follow" or supported(scene, "friction_alone"):
             held += [(n, 1) for n in sets["INSIDE"]]
     if not (friction or bonded):
         held += [(sets["MIDDLE"][0], 1)]

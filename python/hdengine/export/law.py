@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .._check import ROUNDING, RUN, checked
-from .._engine import InputError
+from .._engine import InputError, supported
 from ..results import Result
 
 __all__ = ["JointLaw", "joint_law"]
@@ -82,7 +82,7 @@ def joint_law(run: Result) -> JointLaw:
     InputError
         The run has no loop, no torque, or an angle that does not rise with the torque.
     """
-    if run.scene["load.support"] != "drive":
+    if not supported(run.scene, "loop"):
         raise InputError(f"'{run.folder}' has no loop of torque over angle: load.support = '{run.scene['load.support']}'; "
                          "valid: a run with load.support = 'drive', as data/drive14.nml")
     loop = run.loop

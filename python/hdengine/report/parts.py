@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from .. import paper
-from .._engine import FileError
+from .._engine import FileError, names, supported
 from ..catalogue import unit_of
 from ..contact import read_scene
 from ..elastic import joint_of_scene
@@ -125,12 +125,16 @@ def _comparison(rows):
         yield "Compared with Hu et al. (2023)", text + _table(paper.Row.HEAD, [r.cells() for r in rows])
 
 
-_PROMISED = {"k_ts_bonded_nm_per_rad": ("K_TS, tangent / (MN m/rad)", 1e-6), "rotation_rad": ("rotation / µrad", 1e6),
-             "normal_force_n": ("normal force / N", 1), "pressure_mid_mean_pa": ("mid-band pressure / MPa", 1e-6),
-             "k_fe_secant_nm_per_rad": ("K_FTS / (kN m/rad)", 1e-3), "pressure_mid_max_pa": ("mid-band peak / MPa", 1e-6),
-             "k_ts_tangent_steps_nm_per_rad": ("K_TS, tangent, of all load steps / (MN m/rad)", 1e-6),
-             "pressure_field_pa": ("pressures of 16 x 4 patches / MPa", 1e-6), "hysteresis_rad": ("hysteresis / µrad", 1e6),
-             **{f"k{i}_nm_per_rad": (f"K{i} / (kN m/rad)", 1e-3) for i in (1, 2, 3)}}
+_SHOWN = {"N m/rad": ("(kN m/rad)", 1e-3), "rad": ("µrad", 1e6), "Pa": ("MPa", 1e-6)}   # a unit, that of the report and its number
+
+
+def _promised():
+    """Column of each promise: its words with the unit shown, and what takes its numbers there."""
+    found = {}
+    for column, words, unit in zip(*(names(f"promise_{part}") for part in ("columns", "words", "units"))):
+        shown, factor = _SHOWN.get(unit, (unit, 1))
+        found[column] = f"{words} / {shown}", factor
+    return found
 
 
 def _mesh(text):
@@ -153,9 +157,10 @@ def _plan(result):
     kept = planned["met"] == "yes"
     text += f'.</p><p{"" if kept else " class=bad"}>Tolerance {planned["tolerance"]:g}: {"met" if kept else "not met"} ' \
         "by the estimate.</p>"
+    promised = _promised()
     if result.limits:
-        rows = [[_PROMISED[key][0],
-                 " to ".join(f"{_PROMISED[key][1] * v:.4g}" for v in sorted({np.nanmin(value), np.nanmax(value)})),
+        rows = [[promised[key][0],
+                 " to ".join(f"{promised[key][1] * v:.4g}" for v in sorted({np.nanmin(value), np.nanmax(value)})),
                  f"{100 * error:.2g}", f"{100 * (mesh - 1):+.2g}" if np.ndim(mesh) == 0 else "-"]
                 for key, (value, error, mesh) in result.limits.items()]
         text += "<p>What is promised of the last step:</p>" + _table(
@@ -164,7 +169,7 @@ def _plan(result):
     text += f"<p>Why (changes are relative, the largest of what is promised):</p><ul>{reasons}</ul>"
     if (folder / "plan.csv").is_file():
         table = read_rows(folder / "plan.csv")
-        head = [*(n for n in table[0] if n in _PROMISED)]
+        head = [*(n for n in table[0] if n in promised)]
         rows = [[_mesh(r["mesh"]), *(r[n] for n in head)] for r in table]
         text += "<p>Solved for it:</p>" + _columns(("facets without edge cells, edge cells, layers, steps, element", *head), rows)
     return text
@@ -378,7 +383,7 @@ def _run_parts(result, picture, animation):
     yield "Answer", _answer(result) + (charts.answer(result) if is_drive(result) else "")
     if s["warnings"]:
         yield "Warnings", _warnings(s["warnings"])
-    if result.scene["load.support"] == "drive":
+    if supported(result.scene, "struts"):
         yield "Loads and strength", _strength(result)
     yield "Inputs at a glance", draw_scene(result.scene) + _glance(result.scene)
     yield "Pictures", "".join(charts.pictures(result))
@@ -439,7 +444,7 @@ def _study_convergence(rows):
 def _study_answer(result):
     """The headline of a study: from where to where the stiffness goes."""
     s = result.summary
-    against = s["scene"].get("load.support") == "teeth"
+    against = s["scene"].get("load.support") in names("support_against_teeth")
     column, name = ("k_fe_secant_nm_per_rad", "K_FTS") if against else ("k_ts_nm_per_rad", "K_TS by Eq. 45")
     if any("k2_nm_per_rad" in r for r in result.rows):
         column, name = "k2_nm_per_rad", "K2 of the drive"

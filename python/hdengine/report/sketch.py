@@ -2,6 +2,8 @@
 """A drawing of the scene for the head of its report: cup, ring and contact band, cut along the axis, and the front view."""
 import math
 
+from .._engine import supported
+
 __all__: list[str] = []
 _FLEXSPLINE, _RING, _BAND, _BALL, _TEETH, _CAM = "#8fb0cc", "#dcc08a", "#d1495b", "#c8963e", "#4f8a6b", "#c9cdd3"
 
@@ -47,7 +49,7 @@ def _ring(scene, g):
 
 def _cam_and_balls(scene, x, y, a, b):
     """Cam and balls of the front view, inside of an ellipse; nothing where the scene has no balls."""
-    balls = scene.get("bearing.balls", 0) if scene["load.support"] == "drive" else 0
+    balls = scene.get("bearing.balls", 0) if supported(scene, "struts") else 0
     size = 6.0
     cam = f'<ellipse cx="{x:.1f}" cy="{y:.1f}" rx="{a - 2 * size:.1f}" ry="{b - 2 * size:.1f}" fill="{_CAM}" ' \
           'stroke="currentColor" stroke-width=".6"/>'
@@ -61,7 +63,7 @@ def _cam_and_balls(scene, x, y, a, b):
 
 def _teeth(scene, x, y, a, b):
     """Pairs of teeth in mesh, about both ends of the long axis; the teeth are drawn wider than they are where they would merge."""
-    if scene["load.support"] not in ("drive", "teeth"):
+    if not supported(scene, "teeth"):
         return []
     half = scene["load.tooth_pairs"] // 2
     found = []

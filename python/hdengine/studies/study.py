@@ -124,7 +124,8 @@ class Study:
         places = [f"{what}_long_{i}_pa" for i in (1, 2, 3) for what in ("pressure", "shear")]
         swept = {key.replace("__", ".", 1).strip().lower(): values for key, values in (*self.grid.items(), *self.together.items())}
         try:
-            loop = "drive" in map(str, swept.get("load.support") or [read_scene(self.scene, **self.fixed)["load.support"]])
+            of = swept.get("load.support") or [read_scene(self.scene, **self.fixed)["load.support"]]
+            loop = any(str(support) in _engine.names("support_loop") for support in of)
         except HdengineError:   # it is reported for its point
             loop = True
         return ("point", "status", *names, "k_ts_normal_nm_per_rad", *places, *(LOOP if loop else ()))
@@ -419,11 +420,11 @@ class StudyResult:
         """
         done = [r for r in self.rows if r["status"] == "done" and r["torque_nm"] > 0]
         both = [k for k in self.summary["swept"] if k not in OF_TEETH]
-        rows = []
+        against, rows = _engine.names("support_against_teeth"), []
         for r in done:
-            contact = [c["k_ts_nm_per_rad"] for c in done if c.get("load.support") != "teeth"
+            contact = [c["k_ts_nm_per_rad"] for c in done if c.get("load.support") not in against
                        and all(alike(c.get(k), r.get(k)) for k in (*both, "torque_nm"))]
-            if r.get("load.support") == "teeth" and contact:
+            if r.get("load.support") in against and contact:
                 k = r["k_fe_secant_nm_per_rad"]
                 rows.append({"tooth_clearance_m": r.get(CLEARANCE, self.summary["scene"][CLEARANCE]), "torque_nm": r["torque_nm"],
                              "k_ts_nm_per_rad": contact[0], "k_fts_nm_per_rad": k,

@@ -30,7 +30,7 @@ def _row(step, run, scene):
     normal = torsion.torsional_stiffness(f["k_n_n_per_m"], 0 * f["k_t_n_per_m"], *place)
     shape = run.facets // run.axial_facets, run.axial_facets
     stiffness = {
-        "k_ts_normal_nm_per_rad": float("nan") if scene["load.support"] == "teeth" else float(normal)}
+        "k_ts_normal_nm_per_rad": float("nan") if _engine.supported(scene, "against_teeth") else float(normal)}
     return {
         "status": "done", **{k: v for k, v in step.sums.items() if k not in ("seconds", "iterations")}, **stiffness,
         **long_axis(f, shape, scene["output.positions"], scene["geometry.band_length"]),

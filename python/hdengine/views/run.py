@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._check import ROUNDING
+from .._engine import supported
 from ..catalogue import unit_of
 from .palette import PARTS
 
@@ -25,7 +26,7 @@ NEAR_CATALOGUE = 0.25   # the shipped drives' K1 to K3 lie so near to the catalo
 
 def is_drive(result: Result) -> bool:
     """A whole drive whose assembly was reached."""
-    return result.scene["load.support"] == "drive" and (result.folder / "loop.csv").exists() and is_assembled(result)
+    return supported(result.scene, "loop") and (result.folder / "loop.csv").exists() and is_assembled(result)
 
 
 def is_assembled(result: Result) -> bool:

@@ -14,6 +14,7 @@ program hd_tester
   use test_heights, only: run_heights
   use test_parameters, only: run_parameters
   use test_random, only: run_random
+  use test_random_field, only: run_random_field
   use test_interface, only: run_interface
   use test_mesh_series, only: run_mesh_series
   use test_named_values, only: run_named_values
@@ -45,6 +46,7 @@ program hd_tester
   call run_spline_ring()
   call run_heights()
   call run_random()
+  call run_random_field()
   call run_element()
   call run_circulant()
   call run_contact()

@@ -47,7 +47,7 @@ contains
       infog(1) = codes(i)
       call check_mumps(infog, 99, error)
       call check(error%code == code_memory .and. index(error%message, '4321 MB') > 0 .and. &
-        index(error%message, 'reduce mesh.divisions or mesh.band_facets') > 0, &
+        index(error%message, 'take a coarser mesh') > 0, &
         'out of memory in MUMPS: estimate and what to reduce')
     end do
   end subroutine memory_message

@@ -3,7 +3,7 @@ module test_text
   use hd_check, only: check
   use hd_kinds, only: dp
   use, intrinsic :: iso_fortran_env, only: int64
-  use hd_text, only: exact, lower, nearest_name, percent, push, string_t, to_number, to_text
+  use hd_text, only: exact, is_utf8, lower, nearest_name, percent, push, string_t, to_number, to_text
   implicit none
   private
   public :: run_text
@@ -48,6 +48,12 @@ contains
     call to_number('9999999999999999999', n, ok)
     call check(.not. ok, 'one beyond them is none')
     call check(lower('MuMPS') == 'mumps', 'lower() lowers letters')
+    call check(is_utf8('T in N m, '//char(194)//char(181)//'m, '//char(226)//char(134)//char(146)//' '//char(240)//char(159)// &
+      char(152)//char(128)), 'letters of one to four bytes are UTF-8')
+    call check(.not. any([is_utf8(char(192)//char(175)), is_utf8(char(224)//char(128)//char(175)), &
+      is_utf8(char(240)//char(128)//char(128)//char(175))]), 'a slash in two, three or four bytes is not')
+    call check(.not. any([is_utf8(char(237)//char(160)//char(128)), is_utf8(char(244)//char(144)//char(128)//char(128)), &
+      is_utf8(char(226)//char(134)), is_utf8(char(181))]), 'nor half of a pair, a letter beyond the last plane, or a part of one')
     call push(names, 'friction')
     call push(names, 'torque')
     call check(nearest_name('frction', names) == 'friction', 'a misspelt name finds its neighbour')

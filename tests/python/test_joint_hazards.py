@@ -71,6 +71,16 @@ def test_divergent_elastic_stiffness():
     assert np.all(np.diff(k) > 0) and k[-1] / k[0] > 10
 
 
+def test_elastic_law_ends_at_no_pressure():
+    """With k growing as the root of P the faces part at a closure of -2 sqrt(P_0)/A, and slide past mu 2 sqrt(P)/A of slip."""
+    p = np.geomspace(1e3, 1e9, 13)
+    law = hdengine.elastic.ElasticJoint(p, 2e10 * p**0.5, 1e10 * p**0.5, 0.2)
+    np.testing.assert_allclose(law.closure([0.0, 1e3, 1e6])[0], (np.sqrt([0.0, 1e3, 1e6]) - np.sqrt(1e3)) / 1e10, rtol=1e-9)
+    last = 0.2 * 2 * np.sqrt(1e6) / 1e10
+    shear, _, slips = law.shear([1e6, 1e6], [0.999 * last, 1.001 * last])
+    assert list(slips) == [False, True] and shear[0] < shear[1] == 0.2e6
+
+
 def test_psi_near_three():
     """The equation of psi as written is 0/0 towards D = 3; ours tends to e - 1, and to the golden ratio squared at D = 2."""
     def residual(psi, d_s):

@@ -146,6 +146,8 @@ def test_sums_over_facets(press):
         assert step["edge_line_load_n_per_m"] >= 0.999 * edges.max() and step["edge_line_load_n_per_m"] < 2 * edges.max()
         if step["phase"] == "torque":
             assert step["k_fe_secant_nm_per_rad"] == pytest.approx(step["torque_nm"] / step["rotation_rad"])
+        else:
+            assert np.isnan(step["k_fe_secant_nm_per_rad"])
     assert list(steps["phase"]).count("torque") == 3 and list(steps["load_factor"][-3:]) == pytest.approx([1 / 3, 2 / 3, 1])
     assert list(steps["step"]) == list(range(1, len(steps) + 1)) and list(steps["torque_nm"][-3:]) == pytest.approx([8, 16, 24])
     assert 0 < steps["slip_share_force"][-1] < 1

@@ -24,7 +24,7 @@ PIECES = ["&load", "&mesh", "&", "&end", "/", "=", ",", "!", "torque", "division
     ("&load" + 4090 * " " + "torque = 100000 /\n&load torqe = 1 /", "unknown key 'torqe'"),
     ("&run title = '\xff\xfe' /", "not UTF-8"),
     ("&load torque = " + 100000 * "7" + " /", "is not a number"),
-    ("&load /" * 5000, "more mistakes"), ("".join(f"&load t{i} = 1 /\n" for i in range(401)), "and 1 more mistakes"),
+    ("&load /" * 5000, "more mistakes"), ("&load\n" + "".join(f"t{i} = 1\n" for i in range(401)) + "/", "and 1 more mistakes"),
     ("&loop torques = 5, , -5 /", "an empty place in 'torques'"), ("&loop torques = ,5 /", "an empty place in 'torques'"),
     ("&loop torques = 5,\n, -5 /", "an empty place in 'torques'"), ("&load torque = 1+13 /", "is not a number: '1+13'"),
     ("&loop torques = 1;2 /", "is not a number: '1;2'"),

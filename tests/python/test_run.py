@@ -65,6 +65,15 @@ def test_echo_repeats_the_run_bit_by_bit(exe, small_run, tmp_path):
     assert (tmp_path / "again.out/contact.csv").read_text() == (small_run / "contact.csv").read_text()
 
 
+@pytest.mark.parametrize("name, folder", [("a.b.nml", "a.b.out"), (".nml", ".nml.out")])
+def test_results_land_where_the_run_starts(exe, tmp_path, name, folder):
+    """Without --out they are in a folder of the input's name, its extension replaced."""
+    (tmp_path / name).write_text("&hd_input version = 1 /\n&load torque_steps = 1, assembly_steps = 1 /\n&mesh divisions = 16, band_facets = 3 /\n")
+    (tmp_path / "here").mkdir()
+    assert call(exe, tmp_path / name, "-q", cwd=tmp_path / "here").returncode == 0
+    assert [path.name for path in (tmp_path / "here").iterdir()] == [folder]
+
+
 def test_earlier_results_are_kept(exe, small_run):
     """A folder with results is refused with code 3 and left as it was; --force replaces it."""
     before = (small_run / "summary.json").read_text()

@@ -97,15 +97,6 @@ def ended(scene, **keys):
         return hdengine.load(f"{folder}/r"), done.cpu_s
 
 
-def default_scene():
-    """K_TS of CD-14-100 as it stands, of size 14 on the first rise of its loop, and K2 of the catalogue."""
-    found, drive = ended("cd14.nml")[0].summary["results"], ended("drive14.nml", load__tangent_steps="all")[0].steps
-    rise = drive[:int(np.argmax(drive["torque_nm"])) + 1]
-    return {"k2_catalogue_nm_per_rad": UNITS[14].k2_nm_per_rad, "tangent_nm_per_rad": found["k_ts_bonded_nm_per_rad"],
-            "eq45_nm_per_rad": found["k_ts_nm_per_rad"],
-            "drive": [{"torque_nm": float(s["torque_nm"]), "tangent_nm_per_rad": float(s["k_ts_bonded_nm_per_rad"])} for s in rise if s["torque_nm"] > 0]}
-
-
 def planned():
     """CD-14-100 by tolerance: the mesh, its time and the limit of the tangent."""
     rows = []
@@ -116,7 +107,7 @@ def planned():
     return rows
 
 
-PARTS = {f.__name__: f for f in (frictions, meshes, inputs, steps, kinematics, default_scene, planned)}
+PARTS = {f.__name__: f for f in (frictions, meshes, inputs, steps, kinematics, planned)}
 
 if __name__ == "__main__":
     for part in sys.argv[1:] or PARTS:

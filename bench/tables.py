@@ -159,17 +159,6 @@ def joints():
         (name, *(reading(s, k) for k in [*KINDS][:2])) for name, s in read_record("readings")["inputs"].items()]
 
 
-def shares():
-    """The contact's share of the angle of size 14, by K_TS."""
-    found = read_record("readings")["default_scene"]
-    low, *_, high = found["drive"]
-    rows = ((found["tangent_nm_per_rad"], "tangent, ring on a rigid cam (`data/cd14.nml`)"),
-            (high["tangent_nm_per_rad"], f"tangent in the whole drive at {high['torque_nm']:g} N m (`data/drive14.nml`)"),
-            (low["tangent_nm_per_rad"], f"the same at {low['torque_nm']:g} N m"), (found["eq45_nm_per_rad"], "Eq. 45 in the scene of the first row"))
-    return ("K_TS of the contact", "where it comes from", "share of the drive's angle"), [
-        (f"{power(k)} N m/rad", source, f"{digits(100 * found['k2_catalogue_nm_per_rad'] / k)} %") for k, source in rows]
-
-
 def headline():
     """K1 to K3 of two shipped drives with their bands beside the catalogue, and what the contact takes of a further twist."""
     found, bands = ({r["drive"]: r for r in drive_rows(part)} for part in ("sizes", "bands"))
@@ -528,7 +517,6 @@ TABLES = {  # marker: page from docs on, records, builder
     "drive-history": ("evidence/drive", ["drive_catalogue"], drive_history),
     "frictions": ("evidence/inputs", ["readings"], frictions),
     "joints": ("evidence/inputs", ["readings"], joints),
-    "shares": ("evidence/inputs", ["readings"], shares),
     "indices": ("evidence/inputs", ["sensitivity"], indices),
     "records": ("evidence/index", [], records),
 }

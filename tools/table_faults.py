@@ -121,7 +121,8 @@ def loop_faults(loop, scene):
         found.append(f"friction gives {-heat.min():.1e} J")
     # over steps to or from T = 0 a loose drive is so soft that the mean of two torques says little of its work
     lost = abs(np.diff(loop["work_j"] - loop["stored_j"] - loop["dissipated_j"])[torque[1:] * torque[:-1] > 0].sum()) / most
-    if lost > 0.2 / scene["load.torque_steps"]:  # the integral over the steps is of first order: loose drive 175 loses 4.2, 2.3, 0.8 % with 4, 8, 16
+    # the integral over the steps is of first order at least: loose drives lose 10 and 15 % with 2, 6 % with 4, 0.3 to 2 % with 8 (random_runs)
+    if lost > 0.35 / scene["load.torque_steps"]:
         found.append(f"{lost:.2g} of the work is neither stored nor dissipated")
     return found
 

@@ -360,7 +360,7 @@ contains
   function loop_text(loop, scene, band) result(text)
     type(loop_t), intent(in) :: loop    !< booked steps
     type(scene_t), intent(in) :: scene  !< T1, T2, rated torque
-    real(dp), intent(in), optional :: band(:, :)  !< lower and upper end over the value, of K1, K2, K3 first
+    real(dp), intent(in), optional :: band(:, :)  !< lower and upper end over K1, K2, K3, hysteresis, lost motion
     character(len=:), allocatable :: text
     real(dp), parameter :: minutes = 180*60/pi  !< arc minutes per radian
     type(readings_t) :: r
@@ -369,13 +369,20 @@ contains
     text = ''
     do i = 1, 3
       if (.not. r%k(i) > 0) cycle
-      text = text//'K'//to_text(i)//' '//rounded(r%k(i))
-      if (present(band)) text = text//' ('//rounded(r%k(i)*band(1, i))//' to '//rounded(r%k(i)*band(2, i))//')'
-      text = text//', '
+      text = text//'K'//to_text(i)//' '//rounded(r%k(i))//ends(r%k(i), i)//', '
     end do
     if (len(text) > 0) text = text(:len(text) - 2)//' N m/rad'
-    if (r%has_hysteresis) text = text//'; hysteresis '//rounded(r%hysteresis*minutes)//"'"
-    if (r%has_lost_motion) text = text//'; lost motion '//rounded(r%lost_motion*minutes)//"'"
+    if (r%has_hysteresis) text = text//'; hysteresis '//rounded(r%hysteresis*minutes)//"'"//ends(r%hysteresis*minutes, 4)
+    if (r%has_lost_motion) text = text//'; lost motion '//rounded(r%lost_motion*minutes)//"'"//ends(r%lost_motion*minutes, 5)
+  contains
+    !> The band of a reading.
+    function ends(value, i)
+      real(dp), intent(in) :: value  !< reading
+      integer, intent(in) :: i       !< its place in the band
+      character(len=:), allocatable :: ends
+      ends = ''
+      if (present(band) .and. value > 0) ends = ' ('//rounded(value*band(1, i))//' to '//rounded(value*band(2, i))//')'
+    end function ends
   end function loop_text
 
   !> Linear interpolation in rising x.

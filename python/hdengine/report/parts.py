@@ -266,7 +266,11 @@ def _answer_of_drive(result):
     text = '<p>Torsional stiffness of the drive, as catalogues define it</p><p class="value">' + ", ".join(
         f"{name} {_engineering(k)}" for name, k in slopes.items() if k) + "</p>"
     text += f"<p>Between T1 and T2 one more newton metre turns the output by {180 * 3600 / np.pi / slopes['K2']:.3g} arcsec.</p>"
-    lost = [f"{key[:-4].replace('_', ' ')} {180 * 60 / np.pi * results[key]:.3g} arcmin"
+
+    def ends(key, scale):
+        low, high = (results.get(f"{key}_{side}") for side in ("low", "high"))
+        return f" ({scale * low:.3g} to {scale * high:.3g})" if low else ""
+    lost = [f"{key[:-4].replace('_', ' ')} {180 * 60 / np.pi * results[key]:.3g} arcmin{ends(key, 180 * 60 / np.pi)}"
             for key in ("hysteresis_rad", "lost_motion_rad") if results.get(key) is not None]
     text += f"<p>{' and '.join(lost).capitalize()}.</p>" if lost else ""
     unit = unit_of(result.scene)
@@ -285,7 +289,10 @@ def _answer_of_drive(result):
     shares = results.get("twist_shares") or {}
     if shares and all(isinstance(v, float) for v in shares.values()):
         contact = sum(shares[part] for part in ("gaps", "slip", "joint"))
-        text += f"<p>The contact takes {100 * contact:.0f} % of a further twist at {results['reference_torque_nm']:.3g} N m.</p>"
+        read = ("k_ts_bonded_nm_per_rad", "beside the glued drive"), ("k_ts_contact_nm_per_rad", "of the contact alone")
+        k_ts = ", ".join(f"{results[key] / 1e3:.3g}{ends(key, 1e-3)} {words}" for key, words in read if results.get(key))
+        text += f"<p>The contact takes {100 * contact:.0f} % of a further twist at {results['reference_torque_nm']:.3g} N m. " \
+            f"K_TS / (kN m/rad): {k_ts}.</p>"
     known = ", ".join(f"{name} to {100 * limits[key][1]:.2g} %" for name, key in keys.items() if key in limits)
     mesh = f"These limits of fine meshes are known: {known}" if known else \
         "The error of the mesh is not known: run again with <code>run.tolerance</code>"

@@ -12,7 +12,6 @@ import numpy as np
 
 import hdengine
 from common import DATA, solve, write_part
-from hdengine.catalogue import UNITS
 
 VARIED = {"as it is": {}, "e = 10 µm": {"wave_generator.eccentricity": 10e-6}, "µ = 0.05": {"contact.friction": 0.05}, "µ = 0.3": {"contact.friction": 0.3}}
 KEPT = ("k_ts_nm_per_rad", "k_ts_bonded_nm_per_rad", "k_ts_secant_nm_per_rad", "k_fe_secant_nm_per_rad", "slip_share_k_ts", "pressure_max_pa",

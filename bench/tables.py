@@ -5,12 +5,11 @@
 Usage: bench/tables.py; run it after a bench script has written its record. tests/python/test_evidence.py holds pages and records together.
 """
 import importlib.util
-import json
 from statistics import median
 
 import numpy as np
 
-from common import RESULTS, ROOT, put, read_record, read_rows, table
+from common import ROOT, put, read_record, read_rows, table
 
 COURT = ROOT / "court/run.py"
 
@@ -248,7 +247,7 @@ def drive_bands():
     def cells(r):
         low, high, known = (np.array(r[k]) for k in ("low", "high", "catalogue"))
         return (r["drive"].replace("_", "-"), *(f"{a:.2f} to {b:.2f}" for a, b in zip(low / known, high / known)), " / ".join(f"{w:.2f}" for w in high / low),
-                ", ".join(f"`{key.split('.')[1]}` {100 * share:.0f} %" for key, share in r["shares"].items()))
+                ", ".join(f"`{key.split('.')[1]}` {100 * share:.0f} %" for key, share in list(r["shares"].items())[:2]))
     return ("drive", "K1 over the catalogue's", "K2", "K3", "high over low", "what makes K2's"), [cells(r) for r in drive_rows("bands")]
 
 
@@ -468,16 +467,6 @@ def gradient_cost():
                                                                   if r["band_over_run"] else "") for r in read_record("gradient")["cost"]]
 
 
-def records():
-    """Every record and the engines that made its parts."""
-    found = []
-    for path in sorted(RESULTS.glob("*.json*")):
-        whole = json.loads(path.read_text() if path.suffix == ".json" else path.read_text().splitlines()[-1])
-        commits = dict.fromkeys(c[:8] for c in whole.get("commits", {"": whole["provenance"]["commit"]}).values() if c)
-        found.append(f"`{path.name}` {' '.join(commits)}")
-    return "; ".join(found) + "."
-
-
 TABLES = {  # marker: page from docs on, records, builder
     "headline": ("../README", ["drive_catalogue"], headline),
     "elements": ("evidence/accuracy", ["elements"], elements),
@@ -518,7 +507,6 @@ TABLES = {  # marker: page from docs on, records, builder
     "frictions": ("evidence/inputs", ["readings"], frictions),
     "joints": ("evidence/inputs", ["readings"], joints),
     "indices": ("evidence/inputs", ["sensitivity"], indices),
-    "records": ("evidence/index", [], records),
 }
 
 

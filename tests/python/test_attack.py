@@ -93,6 +93,7 @@ def test_specimens_hold_what_is_checked():
                        (lambda: hdengine.read_scene("", load={"torque": object()}), "a key takes"),
                        (lambda: elastic.ElasticJoint([1e6], [1e12], [1e12]), "two or more"),
                        (lambda: elastic.contact_from_spectrum([1e4, 1e5], [1e-14, 1e-15], [0.0], 1e11), "above 0 and below"),
+                       (lambda: elastic.contact_from_spectrum([1e4, 1e5], [1e-14, 1e-15], [2e9], 1e11, 2e9), "below the hardness"),
                        (lambda: hdengine.Study(grid={"load.torque": 3}), "must be a list")):
         with pytest.raises(hdengine.InputError, match=says):
             call()

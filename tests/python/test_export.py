@@ -13,7 +13,7 @@ import pytest
 import hdengine
 from conftest import ROOT
 from hdengine.cli import main
-from hdengine.export.deck import _grid, _Mesh, to_deck
+from hdengine.export.deck import _grid, _Mesh, flank_weights, to_deck
 from hdengine.export.law import joint_law
 
 KEYS = {"mesh.divisions": 24, "mesh.band_facets": 4, "load.torque_steps": 2}
@@ -148,6 +148,20 @@ def test_a_deck_has_the_friction_of_the_flanks(tmp_path):
     assert -moment == pytest.approx(14, rel=1e-6)
 
 
+def test_a_pair_of_teeth_loads_the_nodes_beside_it():
+    """The load of a pair lies on the two meridians beside its place, its middle at that place and at half of the loaded length; its moment is
+    the arm."""
+    divisions, radius, long, arm = 12, 0.02, 1.5e-3, 0.03
+    angle, z = (grid.ravel() for grid in np.meshgrid(2 * np.pi * np.arange(divisions) / divisions, [0, 1e-3, 2e-3]))
+    points = np.stack([radius * np.cos(angle), radius * np.sin(angle), z], 1)
+    places = np.array([0.0, 0.3, 2.0, 4.5, 6.2, -0.1])
+    for place, weights in zip(places, flank_weights(points, np.arange(len(points)), places, divisions, long, arm)):
+        nodes, weight = np.array([*weights]), np.array([*weights.values()])
+        off = (angle[nodes] - place + np.pi) % (2 * np.pi) - np.pi
+        assert abs(off).max() < 2 * np.pi / divisions and weight @ off == pytest.approx(0, abs=1e-12)
+        assert weight @ z[nodes] == pytest.approx(weight.sum() * long / 2) and weight.sum() * radius == pytest.approx(arm)
+
+
 def test_slanted_sides_look_outwards_by_their_cosine():
     """A side whose middle lies 60 degrees off the radius looks outwards by 0.5, an end by nothing: neither is one that presses; a radial one is."""
     for angle, found in ((60, 0), (0, 1)):
@@ -161,8 +175,14 @@ def test_slanted_sides_look_outwards_by_their_cosine():
 
 
 def test_runs_without_a_loop_say_so(small_run, capsys):
-    """A run that is no whole drive has no joint to export, and says what has; it has a deck."""
+    """A run that is no whole drive has no joint to export, and says what has; it has a deck, whose faces overlap by the interference or are the
+    clearance apart, in mm."""
     assert main(["export", str(small_run), "--to", "csv"]) == 2 and "load.support = 'drive'" in capsys.readouterr().err
     pytest.importorskip("meshio")
     assert main(["export", str(small_run), "--to", "inp"]) == 0
-    assert (small_run / "deck.inp").read_text().count("*STEP") == len(list(small_run.glob("bodies_*.vtu")))
+    deck, run = (small_run / "deck.inp").read_text(), hdengine.load(small_run)
+    assert deck.count("*STEP") == len(list(small_run.glob("bodies_*.vtu")))
+    for interference, clearance in ((run.scene["wave_generator.interference"], 0.0), (0.0, 9e-6)):
+        run.scene.update({"wave_generator.interference": interference, "wave_generator.clearance": clearance})
+        apart = float(re.search(r"\*CLEARANCE, .*VALUE=(\S+)", to_deck(run))[1])
+        assert apart == pytest.approx(1e3 * (clearance - interference)) and apart != 0

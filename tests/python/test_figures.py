@@ -79,11 +79,13 @@ def test_stresses_are_drawn_in_megapascal(small_run):
 
 
 def test_the_band_is_the_table_of_facets(small_run):
-    """Pressures in MPa, line loads that carry the force, and for each position the row of facets that is nearest to it."""
+    """Pressures in MPa, slip in µm, line loads that carry the force, and for each position the row of facets that is nearest to it."""
     result = hdengine.load(small_run)
     contact = np.genfromtxt(small_run / "contact.csv", delimiter=",", names=True)
     last, band, scene = contact[contact["step"] == contact["step"].max()], band_of(result), result.scene
     np.testing.assert_allclose(np.nan_to_num(band.pressure).ravel(), last["pressure_pa"] / 1e6)
+    slip = 1e6 * np.sqrt(last["slip_theta_m"] ** 2 + last["slip_z_m"] ** 2)
+    np.testing.assert_allclose(np.nan_to_num(band.slip).ravel(), np.where(last["pressure_pa"] > 0, slip, 0))
     arc = 1e3 * 2 * np.pi * scene["geometry.bore_radius"] / scene["mesh.divisions"]
     assert (band.load * arc).sum() == pytest.approx((last["pressure_pa"] * last["area_m2"]).sum())
     middles = scene["geometry.band_length"] * (np.arange(scene["mesh.band_facets"]) + 0.5) / scene["mesh.band_facets"]

@@ -17,13 +17,14 @@ from conftest import ROOT, call
 from hdengine.catalogue import UNITS
 from hdengine.cli import main
 from hdengine.figures import cup as picture
+from hdengine.figures.drive import plot_loop
 from hdengine.figures.run import plot_steps
 from hdengine.report import write_pdf, write_report
-from hdengine.report.chart import Chart, _legend, ticks
+from hdengine.report.chart import Chart, _legend, bars, ticks
 from hdengine.report.parts import _answer
 from hdengine.uncertainty import analyse
 from hdengine.views.palette import STEPS
-from hdengine.views.run import colour_top
+from hdengine.views.run import colour_top, forces_of
 
 KEYS = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.torque_steps": 1, "load.assembly_steps": 1}
 
@@ -161,11 +162,17 @@ def test_colours_do_not_rest_on_edge_cells():
     assert colour_top(np.zeros(4), np.ones(4)) == 1
 
 
-def test_report_of_a_drive_opens_with_its_slopes(tmp_path):
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory):
+    """A small whole drive of size 14 over its loop, and the page of its report."""
+    run = hdengine.run(ROOT / "tests/cases/pressed_drive.nml", tmp_path_factory.mktemp("drive") / "r", mesh__divisions=24, mesh__band_facets=4,
+                       load__torque_steps=2, joint__model="spectrum")
+    return run, write_report(run.folder).read_text()
+
+
+def test_report_of_a_drive_opens_with_its_slopes(drive):
     """The report of a whole drive opens with K1 to K3 of its summary, hysteresis in minutes of arc, and its loop."""
-    run = hdengine.run(ROOT / "tests/cases/pressed_drive.nml", tmp_path / "r", mesh__divisions=24, mesh__band_facets=4, load__torque_steps=2,
-                       joint__model="spectrum")
-    page = write_report(tmp_path / "r").read_text()
+    run, page = drive
     head, found = page.split("<nav>")[0], run.summary["results"]
     assert "data:image" not in page and not [*run.folder.glob("*.png")]
     unit = UNITS[14]  # T1 and T2 of the scene are those of size 14
@@ -186,6 +193,39 @@ def test_report_of_a_drive_opens_with_its_slopes(tmp_path):
     assert f"Hysteresis {found['hysteresis_rad'] * 180 * 60 / np.pi:.3g} arcmin" in head
     for i, part in enumerate(found["twist_shares"]):
         assert f">{part}</text>" in head and f">{100 * found['twist_shares'][part]:.2g} %</text>" in head, i
+
+
+def test_the_band_of_the_catalogue_is_as_wide_as_its_name_says(drive):
+    """In the report and in the figure the shaded band reaches, at every torque, from the angle of a drive stiffer than the catalogue's by the
+    percentage of its label to that of one softer by it."""
+    run, page = drive
+    loop = next(svg for svg in page.split("<svg ")[1:] if "catalogue, size" in svg)
+    line, band = (np.array([place.split() for place in re.search(rf'd="M([^"]*?)Z?"[^>]*{mark}', loop)[1].split("L")], float)
+                  for mark in ("stroke-dasharray", "fill-opacity"))
+    share = float(re.search(r"band: ± (\d+) %", loop)[1]) / 100
+    across = band[:, 0].reshape(2, -1) - line[0, 0]   # the catalogue's line begins at the angle 0
+    assert [across[0, -1], across[1, 0]] == pytest.approx((line[-1, 0] - line[0, 0]) / (1 + share * np.array([1, -1])), abs=0.3)
+    axis = plot_loop(run).axes[0]
+    share = float(re.search(r"± (\d+) %", axis.lines[0].get_label())[1]) / 100
+    ends, unit = axis.collections[0].get_paths()[0].vertices, UNITS[14]
+    for torque in (unit.t1_nm, unit.t2_nm, run.torque_nm.max()):
+        found = ends[np.isclose(ends[:, 1], torque), 0]
+        assert [found.min(), found.max()] == pytest.approx(np.degrees(unit.angle(torque)) * 60 / (1 + share * np.array([1, -1])))
+
+
+def test_forces_round_the_axis_are_those_of_two_steps(drive):
+    """The charts of the balls show the forces of balls.csv after the assembly and at the largest torque, each at the angle of its ball."""
+    run, _ = drive
+    shown = forces_of(run, run.balls)
+    assembled = run.balls["step"][run.balls["phase"] == "assembly"].max()
+    largest = run.steps["step"][run.torque_nm == run.torque_nm.max()][-1]
+    assert len(shown) == 2
+    for (torque, angle, force), step in zip(shown, (assembled, largest)):
+        rows = run.balls[run.balls["step"] == step]
+        rows = rows[np.argsort(rows["theta_rad"] % (2 * np.pi))]
+        assert torque == rows["torque_nm"][0]
+        np.testing.assert_allclose(angle, rows["theta_rad"] % (2 * np.pi), atol=1e-8)
+        np.testing.assert_array_equal(force, rows["force_n"])
 
 
 def test_figures_made_again_are_not_drawn(tmp_path, monkeypatch):
@@ -263,13 +303,37 @@ def test_a_report_fits_a_telephone(main_scene, tmp_path):
 
 
 def test_colours_of_cells():
-    """Cells between edges keep their place and colour: equal neighbours are one outline, what is not known has none."""
+    """Cells between edges keep their place and colour: equal neighbours are one outline, what is not known has none. The scale of the colours is as
+    high as the axes."""
     chart = Chart("t", "x", "y", [0, 4], [0, 1])
     chart.cells([0, 1, 2, 3, 4], [0, 1], np.array([[0.0, 0.0, np.nan, 9.0]]), 9.0, "MPa")
     left, right = (56 + (480 - 56 - 14) * at / 4 for at in (2, 3))
     low, high = chart.parts[:2]
     assert low.count("M") == 1 and f"H{left:.1f}" in low and STEPS[0] in low
     assert high.count("M") == 1 and f"M{right:.1f}" in high and STEPS[-1] in high
+    y, height = zip(*(map(float, re.search(r' y="([-\d.]+)".*height="([\d.]+)"', part).groups()) for part in chart.parts if part.startswith("<rect")))
+    top, frame = map(float, re.search(r' y="([\d.]+)".* height="([\d.]+)"', chart.frame[0]).groups())
+    assert len(y) == len(STEPS) and [min(y), max(y) + height[0]] == pytest.approx([top, top + frame], abs=0.11)
+
+
+def test_words_fit_beside_a_point_inside_of_the_axes():
+    """Words that begin at the right end of the axes do not fit into them, at the left end they do; so with any margin."""
+    for right in (14, 100):
+        chart = Chart("t", "x", "y", [0, 4], [0, 1], right=right)
+        assert chart.fits(0, "K1") and not chart.fits(4, "K1") and not chart.fits(4, "")
+
+
+def test_bars_are_as_long_as_their_values():
+    """Bars begin at one place and are as long as their values; each name ends before its bar, no farther off than a line is high, and names and
+    values of eight letters lie in the chart."""
+    rows = [("teeth", "red", 40.0), ("balls", "blue", 10.0), ("gaps", "green", 0.0)]
+    svg = bars("t", rows, "abcde")
+    width, line = (float(re.search(rf'{key}[ "]+([\d.]+)', svg)[1]) for key in ('viewBox="0 0', "font-size="))
+    start, long = np.array(re.findall(r'<rect x="([\d.]+)" y="[\d.]+" width="([\d.]+)"', svg), float).T
+    ends, begins = (np.array(re.findall(rf'<text x="([\d.]+)" y="[\d.]+" text-anchor="{anchor}"', svg), float) for anchor in ("end", "start"))
+    assert np.ptp(start) == 0 and long / long[0] == pytest.approx([value / rows[0][2] for *_, value in rows], abs=1e-3)
+    assert (ends < start).all() and (start - ends < line).all() and (begins > start + long).all()
+    assert ends.min() > 8 * line / 2 and begins.max() + 8 * line / 2 < width
 
 
 def test_a_name_wider_than_the_chart_stays_in_the_first_row():

@@ -375,6 +375,15 @@ def test_tables_are_read_alike(text, tmp_path):
         np.testing.assert_array_equal(slow[name], fast[name])
 
 
+@pytest.mark.parametrize("other", ["1", ""])
+def test_a_whole_number_is_exact(tmp_path, other):
+    """A column of whole numbers up to 2^53 - 1 is read as such; one beyond, which a double would round, leaves it a column of doubles."""
+    for top, kind in ((2**53 - 1, "i"), (2**53 + 1, "f")):
+        (tmp_path / "t.csv").write_text(f"a,b\n{top},{other}\n{-top},2\n")
+        column = hdengine.table_file.read_csv(tmp_path / "t.csv")["a"]
+        assert column.dtype.kind == kind and [*column] == pytest.approx([top, -top], rel=1e-15)
+
+
 def test_a_word_among_numbers_is_refused(tmp_path):
     """A column of whole numbers that ends in a word is no table."""
     (tmp_path / "t.csv").write_text("a,b\n" + 25 * "1,2\n" + "word,3\n")

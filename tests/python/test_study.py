@@ -7,6 +7,7 @@ import signal
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,8 +19,8 @@ from hdengine.cli import main
 from hdengine.figures.study import axes_of, draw, plot_study
 from hdengine.figures.style import new_axes
 from hdengine.report import write_report
+from hdengine.studies import progress, workers
 from hdengine.studies import study as study_module
-from hdengine.studies import workers
 from hdengine.studies.study import Study, StudyResult
 
 SMALL = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.assembly_steps": 1, "load.torque_steps": 1}
@@ -115,9 +116,11 @@ def test_a_study_of_drives_is_read_by_its_loops(tmp_path):
 
 
 def test_a_failing_point_stops_nothing(tmp_path):
-    """Gross slip and a value out of range are kept with their reason; the points behind them are solved."""
+    """Gross slip and a value out of range are kept with their reason, in the last column; the points behind them are solved."""
     study = small(grid={"load.torque": [60.0, 1.0], "contact.friction": [0.15, -1.0]}, fixed=SMALL | {"load.support": "bearing"})
     result = study.run(tmp_path / "f", show=False)
+    head = (tmp_path / "f/study.csv").read_text().splitlines()[0].split(",")
+    assert (head[0], head[-1]) == ("point", "reason")
     reasons = {r["point"]: r["reason"] for r in result.failures}
     assert "gross slip" in reasons[0] and "out of range" in reasons[1] and "out of range" in reasons[3]
     assert [r["point"] for r in result.rows if r["status"] == "done" and r["torque_nm"] == 1.0] == [2]
@@ -125,6 +128,17 @@ def test_a_failing_point_stops_nothing(tmp_path):
     # a part of the friction stays axial, as the assembly left it: less than the capacity, never more
     assert 0.98 < -slipped["friction_torque_nm"] / slipped["friction_capacity_nm"] < 1
     assert "failed" in repr(result)
+
+
+def test_time_left_is_that_of_the_points_so_far(monkeypatch, capsys):
+    """One point solved in a minute leaves three minutes for three more, whenever the clock began and however many were done before."""
+    for start in (0.0, 1e6):
+        clock = iter((start, start + 60, start + 80))
+        monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=lambda clock=clock: next(clock)))
+        shown = progress.Progress(6, done=2)
+        shown.step("a")
+        shown.step("b", failed=True)
+        assert capsys.readouterr().err == "3/6, 3 min 00 s left: a\n4/6, 1 failed, 1 min 20 s left: b FAILED\n"
 
 
 def test_an_unfinished_study_is_continued(tmp_path, monkeypatch):

@@ -143,7 +143,8 @@ def test_anisotropy_is_reported():
 
 def test_rows_far_apart():
     """An isotropic map with points four to sixteen times as far apart one way has no wrong points and S alike both ways at equal distances, and so has
-    the map turned by a quarter; a wrong point is found, a hole filled from what is near. S of too few rows for the lags is said to be that of rows."""
+    the map turned by a quarter; a wrong point is found, a hole filled from what is near. S of too few rows for the lags is said to be that of rows. A
+    figure names each direction where there are two."""
     z = surface.periodic(512, 512e-6, 2.3, 1e-10, 2e-6, 1)
     for far in (4, 16):
         fits = [roughness.fit(z[:, ::far], (1e-6, far * 1e-6), lags=(1, 8)), roughness.fit(z[:, ::far].T, (far * 1e-6, 1e-6), lags=(1, 8))]
@@ -156,6 +157,8 @@ def test_rows_far_apart():
     assert spikes == 1 and abs(found.heights[300, 20] - z[300, 320]) < np.diff(z, axis=0).std()
     few, square = roughness.fit(z[::64], (64e-6, 1e-6)), roughness.fit(z, 1e-6)
     assert np.isfinite(few.anisotropy) and [name for name, _ in few.directions()] == ["rows"] and square.directions()[0][0] == "rows and columns"
+    for fit, names in ((few, ["measured"]), (fits[0], ["measured, rows", "measured, columns"])):
+        assert [line.get_label() for line in fit.plot().lines if line.get_label().startswith("measured")] == names
 
 
 def test_detail_between_rows_far_apart_folds_back():

@@ -180,6 +180,7 @@ def test_shapes_are_those_of_the_bytes(tmp_path, shape):
     ("NumPoints = 3", "NumPoints = 3/", "'3/'"), ("NumPoints = 3", "NumPoints = 2000000000", "cut"), ("Zscale = 1", "Zscale = 1,2", "'1,2'"),
     ("NumPoints = 3", "NumPoints = 4.5", "4.5"), ("NumPoints = 3", "NumPoints = -3", "-3"), ("NumProfiles = 3", "NumProfiles = 0", "x 0 points"),
     ("Zscale = 1", "Zscale = 1\nZscale = 2", "(?i)zscale stands (twice|2 times)"), ("Xscale = 1\n", "", "(?i)xscale|scales are"),
+    *((f"{name} = 1", f"{name} = 0", "scale") for name in ("Xscale", "Yscale", "Zscale")),
     ("aISO-1.0", "aISO-2.0", "ISO-2.0"), ("Xscale = 1", "Xscale = 80", r"160(\.0)? m wide"), ("1 2 3", "1 1e300 3", r"1(.0)?e\+?300"),
 ])
 def test_text_is_read_as_it_stands(tmp_path, old, new, says):

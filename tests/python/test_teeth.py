@@ -94,7 +94,7 @@ def test_chords_of_a_catalogue_curve():
 
 
 def test_run_against_teeth_says_what_it_is_for(exe, tmp_path):
-    """Printed objects, figures and report name K_FTS and the pairs' shares, not Eq. 45 or the joint, which a bonded ring has not."""
+    """Printed objects, figures and report name K_FTS, in kN m/rad, and the pairs' shares, not Eq. 45 or the joint, which a bonded ring has not."""
     solve(exe, tmp_path / "r", "load.tooth_clearance=20e-6")
     result = hdengine.load(tmp_path / "r")
     k = result.secant_stiffness()
@@ -102,7 +102,10 @@ def test_run_against_teeth_says_what_it_is_for(exe, tmp_path):
     page = write_report(tmp_path / "r", picture=False).read_text()
     for text in (repr(result), page):
         assert "K_FTS" in text and "Eq. 45" not in text.replace("Eq. 45 says", "") and "spot" not in text.replace("plastic_spots", "")
-    assert plot_teeth(result).axes[2].get_ylim()[1] > 100 * result.teeth["share"].max()
+    stiffness, _, shares = plot_teeth(result).axes
+    steps = result.steps[result.torque_nm != 0]
+    np.testing.assert_allclose(stiffness.lines[0].get_ydata(), 1e-3 * steps["torque_nm"] / steps["rotation_rad"])
+    assert "kN m/rad" in stiffness.get_title() and shares.get_ylim()[1] > 100 * result.teeth["share"].max()
     assert "shares of the pairs 0.0 to" in repr(result) and f"{1e-3 * k[-1]:.5g}" in page
     solve(exe, tmp_path / "r", "load.torque_steps=0")
     assert "no torque" in repr(hdengine.load(tmp_path / "r"))
@@ -113,13 +116,16 @@ def test_run_against_teeth_says_what_it_is_for(exe, tmp_path):
 
 
 def test_figure_beside_the_catalogue(tmp_path):
-    """The study of sizes draws K_FTS over the size, one line per clearance, beside K1, K2, K3."""
+    """The study of sizes draws K_FTS over the size, one line per clearance, beside K1, K2, K3 of the same sizes."""
     study = hdengine.Study.read(ROOT / "data/teeth_sizes.toml")
     study.together = {key: values[:2] for key, values in study.together.items()}
     study.fixed |= {"mesh.divisions": 16, "mesh.band_facets": 3}
     figure = plot_catalogue(study.run(tmp_path / "s.out", show=False))
     lines = {line.get_label(): line for line in figure.axes[0].lines}
-    assert len(lines) == 5 and "catalogue K3" in lines
+    assert len(lines) == 5
+    for i in (1, 2, 3):
+        size, k = lines[f"catalogue K{i}"].get_data()
+        assert [*size] == [14, 17] and [*k] == [UNITS[s].slopes[i - 1] for s in size]
     ours = next(line for name, line in lines.items() if "closed" in name)
     np.testing.assert_allclose(ours.get_xdata(), [14, 17], rtol=1e-3)
     assert ours.get_ydata()[1] / ours.get_ydata()[0] == pytest.approx((17 / 14) ** 3, rel=2e-2)

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which one-line errors the tests see: python tools/mutants.py FOLDER [--count 160] [--seed 1] [--minutes 60]
+"""Which one-line errors the tests see: python tools/mutants.py FOLDER [--count 160] [--seed 1] [--minutes 60] [--of FOLDER]
 
 A copy of HEAD in FOLDER gets all mutants at once, each behind a switch, so that one build serves all: `x = a + b` becomes
 `if (mutated(7)) then; x = a - b; else; x = a + b; end if`. A first pass of the tests notes which mutants each test reaches; a mutant
 then runs the tests that reach it until one fails: first the quick ones, those of its subject and those that killed others. All mutants have
 their first seconds of tests before one has more. Mutants are drawn by rule: every room in turn, a line at random in it, a change at random of
 those that it allows. The outcome goes to tools/mutants.json; what that calls harmless is not run again. Begun again in its FOLDER it goes on.
+With --of it takes the mutants of an earlier FOLDER, as far as HEAD has their lines: to see what tests written since then see.
 Needs ./hd test once.
 """
 import argparse
@@ -176,6 +177,18 @@ def drawn(count, seed):
     return chosen
 
 
+def found_again(folder):
+    """The mutants of an earlier folder whose lines HEAD still has, each at the place nearest to its own."""
+    found = []
+    for m in json.loads((folder / "state.json").read_text())[2]:
+        text = (ROOT / m["file"]).read_text() if (ROOT / m["file"]).exists() else ""
+        same = [(abs(i + 1 - m["line"]), i + 1, both) for i, old, new, both in (fortran_mutants if m["file"].endswith(".f90") else python_mutants)(text)
+                if (old, new) == (m["old"], m["new"])]
+        if same:
+            found.append({"file": m["file"], "line": min(same)[1], "old": m["old"], "new": m["new"], "both": min(same)[2]})
+    return found
+
+
 def build(folder, mutants):
     """A copy of HEAD with all mutants, installed into folder/site."""
     tree = folder / "tree"
@@ -295,9 +308,11 @@ def main():
     parser.add_argument("--count", type=int, default=160)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--minutes", type=float, default=60)
+    parser.add_argument("--of", type=Path, help="folder of an earlier call")
     parser.add_argument("--draw", action="store_true", help="only print the mutants")
     args = parser.parse_args()
-    folder, mutants, end = args.folder.resolve(), drawn(args.count, args.seed), time.monotonic() + 60 * args.minutes
+    folder, end = args.folder.resolve(), time.monotonic() + 60 * args.minutes
+    mutants = found_again(args.of) if args.of else drawn(args.count, args.seed)
     if args.draw:
         for n, m in enumerate(mutants):
             print(f"{n} {m['file']}:{m['line']}: {m['old']}  ->  {m['new']}")
@@ -309,7 +324,7 @@ def main():
     else:
         commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
         build(folder, mutants)
-        tests = survey(folder, args.count, ["fortran", *sorted(p.stem for p in (folder / "tree/tests/python").glob("test_*.py") if p.stem not in SLOW)])
+        tests = survey(folder, len(mutants), ["fortran", *sorted(p.stem for p in (folder / "tree/tests/python").glob("test_*.py") if p.stem not in SLOW)])
         for m in mutants:
             m.update({"fate": "undecided", "spent": 0.0, "passed": []} | m)
         state.write_text(json.dumps([commit, tests, mutants]))

@@ -17,6 +17,7 @@ import pytest
 
 import hdengine
 from conftest import CD14, ROOT, call
+from hdengine import _engine
 from hdengine.studies.study import Study, StudyResult
 
 SMALL = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.assembly_steps": 1, "load.torque_steps": 1}
@@ -381,3 +382,13 @@ def test_a_working_folder_that_is_gone(small_run, tmp_path):
     code = f"import os; os.rmdir(os.getcwd()); import hdengine; print(len(hdengine.load({str(small_run)!r}).steps))"
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path / "gone", capture_output=True, text=True)
     assert done.stdout.strip() == "3", done.stderr
+
+
+def test_as_many_locks_as_there_are_can_be_taken_again(tmp_path):
+    """A process holds 64 folders at a time; one more is refused, and all are free once they are given back."""
+    for _ in range(2):
+        with contextlib.ExitStack() as held:
+            for i in range(64):
+                held.enter_context(_engine.FolderLock(tmp_path / str(i)))
+            with pytest.raises(hdengine.InputError, match="64 folders are locked"):
+                held.enter_context(_engine.FolderLock(tmp_path / "more"))

@@ -63,12 +63,16 @@ def draw(axis: Axes, result: StudyResult, x: str, y: str, lines: str | None, cho
     for name in (x, y):
         if not any(name in r for r in result.rows):
             raise InputError(f"figure: the study has no column '{name}'; valid: those of {result.folder / 'study.csv'}")
-    rows = [r for r in result.rows if r["status"] == "done" and x in r and y in r and all(r.get(k) == v for k, v in chosen.items())]
+    rows = [r for r in result.rows if r["status"] == "done" and x in r and y in r]
+    if chosen:
+        rows = [r for r in rows if all(r.get(k) == v for k, v in chosen.items())]
     if "torque_nm" not in (x, lines):  # the last load step stands for the point, so it must be the one asked for
         failed = {r["point"] for r in result.failures}
         rows = [r for r in rows if r["point"] not in failed]
     if figure.get("torque"):
         rows = [r for r in rows if any(abs(r["torque_nm"] - t) < 1e-9 for t in figure["torque"])]
+    if "torque_nm" not in (x, lines) and lines in (None, *result.summary["swept"]):
+        rows = [*{r["point"]: r for r in rows}.values()]
     others = [n for n in result.summary["swept"] if n not in (x, lines) and not any(_follows(rows, n, m) for m in (x, lines))]
     if len({tuple(r.get(n) for n in others) for r in rows}) > len(STYLES):
         first = result.rows[0]

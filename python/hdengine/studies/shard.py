@@ -120,7 +120,8 @@ def _lines(path: Path, file: IO[bytes], head: dict[str, Any], points: int) -> It
             elif not _is_entry(entry, points):
                 raise ValueError
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-            valid = f'{{"point": 0 to {points - 1}, "rows": [{{"status": "done" or "failed", ...}}, ...]}}' if i else "the study's head"
+            entries = f'{{"point": 0 to {points - 1}, "rows": [{{"status": "done" or "failed", ...}}, ...]}}'
+            valid = entries if i else "the study's head"
             raise FileError(f"'{path}' line {i + 1} is not as a shard left it (valid: {valid}): add --force to solve its points "
                             "anew") from None
         end += len(line)

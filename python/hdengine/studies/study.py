@@ -321,7 +321,8 @@ class Study:
             for i in [-1, *places]:
                 own = {"point": str(i), **{k: str(v) for k, v in points[i].items()}}
                 whole = [{**row, **own} for row in rows[i]] if i >= 0 else [dict(zip(columns, columns))]
-                data = "".join(_csv_line([*map(row.get, columns, itertools.repeat(""))]) for row in whole).encode("utf-8", "replace")
+                lines = (_csv_line([*map(row.get, columns, itertools.repeat(""))]) for row in whole)
+                data = "".join(lines).encode("utf-8", "replace")
                 if kept is not None and i >= 0:
                     kept.extend({k: _number(str(row[k])) for k in shown if k in row} for row in whole)
                 digest.update(data)
@@ -353,7 +354,7 @@ def head_of(rows: list) -> tuple:
 
 
 def _csv_line(cells):
-    """A line as csv.writer writes it, which takes longer: it is asked for numbers that are no text yet and where quotes are needed."""
+    """A line as csv.writer writes it, which takes longer: it is asked for numbers that are no text yet and for quotes."""
     try:
         line = ",".join(cells)
         if line.count(",") == len(cells) - 1 and '"' not in line and "\n" not in line and "\r" not in line:

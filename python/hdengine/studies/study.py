@@ -247,6 +247,8 @@ class Study:
         FileError
             The folder holds another study, rows of another version, or tables that are not as a study left them; or another
             process is at work in it.
+        StoppedError
+            Worker processes were stopped from outside; their points are left to do, all others are in the table.
         """
         from .workers import solve_all  # multiprocessing, which takes a tenth of the time of import hdengine
 

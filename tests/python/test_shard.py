@@ -163,7 +163,7 @@ def test_dealing_reads_few_scenes(monkeypatch):
     """A sweep of the torque is dealt from one scene, whatever values are not valid and stand first."""
     read, seen = shard.read_scene, []
     monkeypatch.setattr(shard, "read_scene", lambda *words, **keys: seen.append(keys) or read(*words, **keys))
-    grid = {"load__torque": [-1e9, *(0.01 * i for i in range(1, 300))], "mesh.divisions": [-1, 16, 20]}
+    grid = {"load.torque": [-1e9, *(0.01 * i for i in range(1, 300))], "mesh__divisions": [-1, 16, 20]}
     work = shard.work(Study(grid=grid))
     assert len(seen) == 3 and work == work[:3] * 300 and work[0] == 0 < work[1] < work[2]
     assert shard.work(Study(grid={k: v[::-1] for k, v in grid.items()})) == work[::-1]

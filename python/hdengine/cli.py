@@ -138,23 +138,22 @@ def _study(args):
         print(f"{args.input} is valid: {study}")
         return 0
     out = args.out or _folder(args.input)
-    if args.shard:
+    if args.shard is not None:
         number, shards = shard.number_of(args.shard)
-        points = shard.run_shard(study, out, number, shards, args.jobs, args.force, args.retry, not args.quiet)
-        print(f"shard {args.shard}: {points} points in {out}/part-{number}.jsonl; after the last shard: "
+        points, failed = shard.run_shard(study, out, number, shards, args.jobs, args.force, args.retry, not args.quiet)
+        print(f"shard {args.shard}: {points} points, {failed} failed, in {out}/part-{number}.jsonl; after the last shard: "
               f"hdengine study {args.input} --collect --out {out}")
         return 0
     if args.collect:
-        shard.collect(study, out, args.force)
-        return _finish(out)
+        return _finish(out, shard.collect(study, out, args.force))
     study.run(out, args.jobs, args.force, args.retry, show=not args.quiet, other_version=args.other_version)
     return _finish(out)
 
 
-def _finish(folder):
+def _finish(folder, result=None):
     """Results and figures of what was just solved; a machine that computes only may lack matplotlib."""
     if importlib.util.find_spec("matplotlib"):
-        return _plot(argparse.Namespace(folder=folder, debug=False))
+        return _plot(argparse.Namespace(folder=folder, debug=False, result=result))
     print(f"written: {folder}; figures need matplotlib: pip install 'hdengine[plot]'", file=sys.stderr)
     return 0
 
@@ -164,9 +163,11 @@ def _plot(args):
     result: Any
     if (folder / "study.json").is_file():
         from .figures.study import plot_study
-        from .studies.study import StudyResult
+        from .studies.study import StudyResult, columns_of, read_rows, read_study_summary
 
-        result, paths = StudyResult(folder), [folder / "study.csv"]
+        table = folder / "study.csv"
+        result = getattr(args, "result", None) or StudyResult(folder, read_rows(table, columns_of(read_study_summary(folder))))
+        paths = [table]
         paths += plot_study(result)
     elif (folder / "summary.json").is_file() and read_summary(folder).get("kind") == "surface":
         result = SurfaceResult(folder)
@@ -294,7 +295,7 @@ def make_parser() -> argparse.ArgumentParser:
     part = study.add_mutually_exclusive_group()
     part.add_argument("--shard", metavar="I/N", help="solve shard I of N into part-I.jsonl: each on a machine of its own")
     part.add_argument("--collect", action="store_true", help="one table of all parts")
-    study.add_argument("--other-version", action="store_true", help="keep rows that another version of hdengine solved")
+    part.add_argument("--other-version", action="store_true", help="keep rows that another version of hdengine solved")
     for sub in (run, study):
         sub.add_argument("--out", help="folder for the results")
         sub.add_argument("--force", action="store_true", help="replace earlier results")

@@ -132,7 +132,8 @@ def write_files(files: Mapping[Path, Any]) -> None:
     Parameters
     ----------
     files : dict
-        Text, bytes, a matplotlib figure, or a function that writes the file at the path that it is given, by path.
+        Text, bytes, an iterator of bytes, a matplotlib figure, or a function that writes the file at the path that it is given, by
+        path; they are made one after the other.
 
     Raises
     ------
@@ -165,32 +166,34 @@ def _parts(files):
 
 
 def _content(path, content):
-    """Bytes of a file. Text may hold a path that is no UTF-8."""
+    """Bytes of a file, part by part. Text may hold a path that is no UTF-8."""
     if isinstance(content, str):
-        return content.encode("utf-8", "replace")
+        return [content.encode("utf-8", "replace")]
     if isinstance(content, bytes):
+        return [content]
+    if isinstance(content, Iterator):
         return content
     if callable(content):
         with tempfile.TemporaryDirectory() as folder:
             content(Path(folder, path.name))
-            return Path(folder, path.name).read_bytes()
+            return [Path(folder, path.name).read_bytes()]
     drawn = io.BytesIO()
     content.savefig(drawn, format=path.suffix[1:])
-    return drawn.getvalue()
+    return [drawn.getvalue()]
 
 
-def _write(path, data):
+def _write(path, parts):
     """A new file, on the disk to its last byte."""
     path.unlink(missing_ok=True)
     with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666), "wb") as file:
-        file.write(data)
+        size = sum(map(file.write, parts))
         file.flush()
         try:
             os.fsync(file.fileno())
         except OSError as e:
             if e.errno not in (errno.EINVAL, errno.ENOTSUP, errno.EROFS):   # some file systems know no fsync
                 raise
-        if os.fstat(file.fileno()).st_size != len(data):
+        if os.fstat(file.fileno()).st_size != size:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
 

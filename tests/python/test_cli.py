@@ -155,7 +155,7 @@ def test_forms_of_run(tmp_path, monkeypatch, capsys):
             cli.main(words)
         assert end.value.code == 0 and found in capsys.readouterr().out
     for words, found in ((["run", "--explain", "load.torqe"], "torque"), (["study", "x", "--jobs", "-3"], "1 or more"),
-                         (["run", scene, "--bogus"], "--bogus"), (["plot", "o", "load.torque=3"], "no place in")):
+                         (["study", "x", "--shard", "1/2", "--other-version"], "not allowed"), (["run", scene, "--bogus"], "--bogus"), (["plot", "o", "load.torque=3"], "no place in")):
         with pytest.raises(SystemExit) as end:
             cli.main(words)
         assert end.value.code == 2 and found in capsys.readouterr().err

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shards of a study: their parts make the table of one machine, whatever happens to a shard on the way."""
+import errno
+import json
 import os
 import signal
 import subprocess
@@ -9,10 +11,11 @@ import time
 import pytest
 
 from conftest import ROOT
-from hdengine import InputError
+from hdengine import InputError, StoppedError
 from hdengine._engine import FileError
 from hdengine.cli import main
-from hdengine.studies import shard
+from hdengine.studies import shard, workers
+from hdengine.studies import study as study_module
 from hdengine.studies.study import Study
 
 TOML = f"""[study]
@@ -147,9 +150,84 @@ def test_parts_of_another_study_are_refused(study, tmp_path):
         shard.run_shard(s, "p", 2, 2)
     with pytest.raises(FileError, match="'p/part-2.jsonl' is of another study: its sha256"):
         shard.collect(s, "p")
-    assert shard.run_shard(s, "p", 2, 2, force=True, show=False) == 4
+    assert shard.run_shard(s, "p", 2, 2, force=True, show=False) == (4, 2)
     with pytest.raises(FileError, match="holds no part"):
         shard.collect(s, tmp_path)
-    for text in ("0/3", "4/3", "3", "a/b", "1/-3"):
+    assert main(["study", study, "--out", "n", "--shard", ""]) == 2 and not (tmp_path / "n").exists()
+    for text in ("", "0/3", "4/3", "3", "a/b", "1/-3"):
         with pytest.raises(InputError, match="must be I/N"):
             shard.number_of(text)
+
+
+def test_dealing_reads_few_scenes(monkeypatch):
+    """A sweep of the torque is dealt from one scene, whatever values are not valid and stand first."""
+    read, seen = shard.read_scene, []
+    monkeypatch.setattr(shard, "read_scene", lambda *words, **keys: seen.append(keys) or read(*words, **keys))
+    grid = {"load.torque": [-1e9, *(0.01 * i for i in range(1, 300))], "mesh__divisions": [-1, 16, 20]}
+    work = shard.work(Study(grid=grid))
+    assert len(seen) == 3 and work == work[:3] * 300 and work[0] == 0 < work[1] < work[2]
+    assert shard.work(Study(grid={k: v[::-1] for k, v in grid.items()})) == work[::-1]
+
+
+@pytest.mark.parametrize("how", [signal.SIGTERM, signal.SIGSEGV])
+def test_a_stopped_worker_leaves_its_point(study, tmp_path, monkeypatch, how, capsys):
+    """Points whose workers are stopped from outside are left to do, and said to be, with code 7; a worker that crashes is its point's failure."""
+    send, killed = workers._Worker.give, []
+
+    def give(self, task):
+        given = send(self, task)
+        if task[0] == 4 and not killed:
+            killed.append(self.process.send_signal(how))
+        return given
+    monkeypatch.setattr(workers._Worker, "give", give)
+    command = ["study", study, "--out", "w", "--shard", "1/1", "--jobs", "2", "-q"]
+    code, told = main(command), capsys.readouterr()
+    points = [json.loads(line)["point"] for line in (tmp_path / "w/part-1.jsonl").read_text().splitlines()[1:]]
+    if how == signal.SIGSEGV:
+        assert code == 0 and len(points) == 8 and "8 points, 3 failed" in told.out
+        return
+    assert code == StoppedError.code and sorted(points) == [0, 1, 2, 3, 5, 6, 7] and "left to do" in told.err and "4 (signal SIGTERM)" in told.err
+    assert main(command) == 0 and "8 points, 2 failed" in capsys.readouterr().out
+
+
+def test_a_file_system_without_locks(study, monkeypatch):
+    """A shard goes on where the file system has no flock; another fault of it is one."""
+    def refuse(number):
+        def flock(*words):
+            raise OSError(number, os.strerror(number))
+        return flock
+    for number in (errno.ENOSYS, errno.ENOTSUP, errno.ENOLCK):
+        monkeypatch.setattr(shard.fcntl, "flock", refuse(number))
+        assert main(["study", study, "--out", "f", "--shard", "1/4", "-q"]) == 0
+    monkeypatch.setattr(shard.fcntl, "flock", refuse(errno.EIO))
+    assert main(["study", study, "--out", "f", "--shard", "1/4", "-q"]) == 3
+
+
+@pytest.mark.parametrize("entry", ['{"point": 99, "rows": [{"status": "done"}]}', '{"point": -1, "rows": [{"status": "done"}]}',
+                                   '{"point": "a", "rows": [{"status": "done"}]}', '{"point": 0, "rows": 7}', '["x"]', '{"point": 0, "rows": [{}]}',
+                                   '{"point": 0, "rows": []}', '{"point": 0, "rows": ["x"]}', '{"point": true, "rows": [{"status": "done"}]}'])
+def test_wrong_entries_of_a_part(study, tmp_path, entry, capsys):
+    """What no shard writes is named with file, line and what is valid; a file whose name has no number is no part."""
+    (tmp_path / "e").mkdir()
+    head = json.dumps(shard._head(Study.read(study).identity(), 1))
+    (tmp_path / "e/part-1.jsonl").write_text(f"{head}\n{entry}\n")
+    (tmp_path / "e/part-\u00b2.jsonl").write_text("x\n")
+    for words in (["--collect"], ["--shard", "1/1"]):
+        assert main(["study", study, "--out", "e", "-q", *words]) == 3
+        told = capsys.readouterr().err
+        assert "'e/part-1.jsonl' line 2 is not as a shard left it" in told and '"point": 0 to 7' in told and "Traceback" not in told
+    (tmp_path / "e/part-1.jsonl").write_text(head.replace('"shards": 1', '"shards": "x"') + "\n")
+    assert main(["study", study, "--out", "e", "--collect"]) == 3 and "line 1" in capsys.readouterr().err
+
+
+def test_a_table_is_read_by_its_parts_alone(study, tmp_path, monkeypatch):
+    """Collected, and collected again, no table is read; the rows that are drawn are those of the table; few parts are open at a time."""
+    monkeypatch.setattr(shard, "OPEN", 1)
+    for i in (1, 2):
+        assert main(["study", study, "--out", "c", "--shard", f"{i}/2", "-q"]) == 0
+    with monkeypatch.context() as patch:
+        patch.setattr(study_module, "read_rows", lambda *words: pytest.fail("read"))
+        for _ in range(2):
+            kept = shard.collect(Study.read(study), "c").rows
+    columns = study_module.columns_of(json.loads((tmp_path / "c/study.json").read_text()))
+    assert kept == study_module.read_rows(tmp_path / "c/study.csv", columns) and len(kept) == 8

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Studies: points, failing points, resuming, workers, figures."""
+import csv
+import io
 import json
 import os
 import shutil
@@ -244,11 +246,18 @@ def test_rows_of_another_version_are_kept_only_if_asked(tmp_path, monkeypatch):
 
 def test_lines_of_a_figure():
     """Keys that follow x draw no line of their own, too many keys are held at the first point, failed points are not drawn."""
+    asked = []
+
+    class Row(dict):
+        def get(self, *words):
+            asked.append(words)
+            return super().get(*words)
+
     class Table:
         summary = {"figure": {}, "swept": ["a", "b", "c", "d"]}
 
         def __init__(self, rows):
-            self.rows = [{"point": i, "status": "done", "torque_nm": 0.0, "k": 1.0, **r} for i, r in enumerate(rows)]
+            self.rows = [Row({"point": i, "status": "done", "torque_nm": 0.0, "k": 1.0, **r}) for i, r in enumerate(rows)]
 
         @property
         def failures(self):
@@ -264,6 +273,17 @@ def test_lines_of_a_figure():
     grid = [{"a": a, "b": b, "c": c, "d": d} for a in range(2) for b in range(2) for c in range(3) for d in range(2)]
     assert lines(grid, "a", "k", "b") == [2, 2] and lines(grid[:2] + grid[-2:], "a", "k", "a") == [1, 1, 1, 1]
     assert lines([{"a": 1}, {"a": 2}, {"a": 3}, {"a": 3, "point": 2, "status": "failed"}], "a", "k", "c") == [2]
+    asked.clear()
+    assert lines([{"a": a, "b": b} for a in range(5) for b in range(100)], "a", "k", "b") == [5] * 100
+    assert len(asked) < 50 * 500   # no pass over all rows for each line
+
+
+def test_a_table_is_written_as_csv_writes_it():
+    """Lines that are joined are those of csv.writer, with quotes where a text needs them."""
+    for cells in (["1.5", "nan", ""], ["a,b", "c"], ['"', "d"], ["e\nf"], ["g\rh"], [1.5, 7, "x"]):
+        text = io.StringIO(newline="")
+        csv.writer(text).writerow(cells)
+        assert study_module._csv_line(cells) == text.getvalue()
 
 
 def test_axes():

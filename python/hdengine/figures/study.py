@@ -16,7 +16,7 @@ from .._engine import InputError
 from ..catalogue import UNITS
 from ..files import write_files
 from ..paper import BORE, STATED, of_size
-from ..views.labels import LABELS, LOOP, label
+from ..views.labels import LABELS, LOOP, SHOWN, label
 from .style import new_axes, styled
 
 if TYPE_CHECKING:
@@ -31,11 +31,11 @@ def axes_of(result: StudyResult) -> tuple:
     Of a whole drive, K1 to K3 and hysteresis; a point has one of each, so the torque draws no lines of them.
     """
     figure, swept = result.summary["figure"], list(result.summary["swept"])
-    varied = [name for name in swept if len({str(r.get(name)) for r in result.rows}) > 1]
+    varied = [name for name in swept if len({r.get(name) for r in result.rows}) > 1]
     numeric = [name for name in varied if all(isinstance(r.get(name), (int, float)) for r in result.rows)]
     x = figure.get("x") or (numeric or ["torque_nm"])[0]
     of_loop = [name for name in LOOP[:4] if x != "torque_nm" and any(name in r for r in result.rows)]
-    ys = figure.get("y") or of_loop or ["k_ts_nm_per_rad", "pressure_max_pa", "normal_force_n"]
+    ys = figure.get("y") or of_loop or list(SHOWN)
     # a point that has its own torque is drawn at that alone
     steps = [] if "load.torque" in varied or set(ys) <= set(LOOP) else ["torque_nm"]
     lines = figure.get("lines") or next((name for name in [*varied, *steps] if name != x), None)
@@ -63,12 +63,16 @@ def draw(axis: Axes, result: StudyResult, x: str, y: str, lines: str | None, cho
     for name in (x, y):
         if not any(name in r for r in result.rows):
             raise InputError(f"figure: the study has no column '{name}'; valid: those of {result.folder / 'study.csv'}")
-    rows = [r for r in result.rows if r["status"] == "done" and x in r and y in r and all(r.get(k) == v for k, v in chosen.items())]
+    rows = [r for r in result.rows if r["status"] == "done" and x in r and y in r]
+    if chosen:
+        rows = [r for r in rows if all(r.get(k) == v for k, v in chosen.items())]
     if "torque_nm" not in (x, lines):  # the last load step stands for the point, so it must be the one asked for
         failed = {r["point"] for r in result.failures}
         rows = [r for r in rows if r["point"] not in failed]
     if figure.get("torque"):
         rows = [r for r in rows if any(abs(r["torque_nm"] - t) < 1e-9 for t in figure["torque"])]
+    if "torque_nm" not in (x, lines) and lines in (None, *result.summary["swept"]):
+        rows = [*{r["point"]: r for r in rows}.values()]
     others = [n for n in result.summary["swept"] if n not in (x, lines) and not any(_follows(rows, n, m) for m in (x, lines))]
     if len({tuple(r.get(n) for n in others) for r in rows}) > len(STYLES):
         first = result.rows[0]
@@ -76,6 +80,9 @@ def draw(axis: Axes, result: StudyResult, x: str, y: str, lines: str | None, cho
     (label_x, factor_x), (label_y, factor_y) = label(x), label(y)
     colours = sorted({r.get(lines) for r in rows}, key=_order)
     styles = sorted({tuple(r.get(n) for n in others) for r in rows}, key=lambda v: [_order(w) for w in v])
+    grouped: dict[tuple, list] = {}
+    for r in rows:
+        grouped.setdefault((r.get(lines), *(r.get(n) for n in others)), []).append(r)
     ramp = _shades(colours)
     places = {}   # of words along x, in the order of the study
     if any(isinstance(r[x], str) for r in rows):
@@ -83,7 +90,7 @@ def draw(axis: Axes, result: StudyResult, x: str, y: str, lines: str | None, cho
         factor_x = 1
         axis.set_xticks([*places.values()], [*map(str, places)])
     for (i, colour), (j, style) in itertools.product(enumerate(colours), enumerate(styles)):
-        line = [r for r in rows if r.get(lines) == colour and tuple(r.get(n) for n in others) == style]
+        line = grouped.get((colour, *style), [])
         if "torque_nm" not in (x, lines):
             line = list({r["point"]: r for r in line}.values())
         line.sort(key=lambda r: places.get(r[x], r[x]))
@@ -116,8 +123,8 @@ def _shades(values):
 
 def _follows(rows, name, other):
     """The column has one value at each value of the other: it draws no line of its own."""
-    seen: dict[str, str] = {}
-    return all(seen.setdefault(str(r.get(other)), str(r.get(name))) == str(r.get(name)) for r in rows)
+    seen: dict = {}
+    return all(seen.setdefault(r.get(other), r.get(name)) == r.get(name) for r in rows)
 
 
 def _order(value):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import difflib
+import functools
 import hashlib
 import io
 import itertools
@@ -25,7 +26,7 @@ from .._types import PathLike, Value
 from ..contact import read_scene
 from ..files import json_text, read_json, write_files
 from ..results import preformatted
-from ..views.labels import LOOP
+from ..views.labels import LOOP, SHOWN
 from .progress import Progress
 
 __all__ = ["Study", "StudyResult"]
@@ -196,10 +197,20 @@ class Study:
         InputError
             No point is valid: the message of the first.
         """
+        return self.first_valid()[1]
+
+    def first_valid(self) -> tuple[dict, dict]:
+        """The first valid point, and all keys of its scene.
+
+        Raises
+        ------
+        InputError
+            No point is valid: the message of the first.
+        """
         first: Exception = InputError("the study has no point")
         for i, point in enumerate(self.points):
             try:
-                return read_scene(self.scene, **{**self.fixed, **point})
+                return point, read_scene(self.scene, **{**self.fixed, **point})
             except HdengineError as error:
                 if i == 0:
                     first = error
@@ -236,6 +247,8 @@ class Study:
         FileError
             The folder holds another study, rows of another version, or tables that are not as a study left them; or another
             process is at work in it.
+        StoppedError
+            Worker processes were stopped from outside; their points are left to do, all others are in the table.
         """
         from .workers import solve_all  # multiprocessing, which takes a tenth of the time of import hdengine
 
@@ -269,8 +282,17 @@ class Study:
 
     def _earlier(self, out: Path, identity: dict, retry: bool = False, other_version: bool = False) -> tuple[dict, list]:
         """Rows of finished points in an earlier table of the same study, by point, and the versions that solved them."""
-        if not (out / "study.json").is_file():
+        if not (summary := self._described(out, identity, other_version)):
             return {}, []
+        rows: dict[int, list] = {}
+        for row in read_rows(out / "study.csv"):
+            rows.setdefault(row["point"], []).append(row)
+        return {i: r for i, r in rows.items() if not (retry and r[-1]["status"] == "failed")}, summary["versions"]
+
+    def _described(self, out, identity, other_version=False):
+        """Description of an earlier table of the same study; empty where there is none."""
+        if not (out / "study.json").is_file():
+            return {}
         summary = read_study_summary(out)
         if "checksum" not in summary:
             raise FileError(f"'{out}/study.json' is of an earlier hdengine: add --force to solve all points anew")
@@ -279,32 +301,71 @@ class Study:
         if summary["hdengine"] != _engine.version() and not other_version:
             raise FileError(f"'{out}' holds rows of hdengine {summary['hdengine']}, this is {_engine.version()}: add --force to "
                             "solve all points anew, or --other-version to keep those rows")
-        rows: dict[int, list] = {}
-        for row in read_rows(out / "study.csv"):
-            rows.setdefault(row["point"], []).append(row)
-        return {i: r for i, r in rows.items() if not (retry and r[-1]["status"] == "failed")}, summary["versions"]
+        return summary
 
-    def _write(self, out: Path, identity: dict, scene: dict, rows: Mapping[int, list], versions: list) -> None:
-        """Table and its description, each under a temporary name first; the description holds checksums of both."""
-        points = self.points
-        names, failed = {"point": None}, 0
-        for i in sorted(rows):   # the order of the columns is that of the points, whoever solved them first
-            for row in rows[i]:
-                names |= dict.fromkeys([*points[i], *row])
-            failed += row["status"] == "failed"
-        text = io.StringIO(newline="")
-        writer = csv.DictWriter(text, sorted(names, key=lambda name: name == "reason"))
-        writer.writeheader()
-        for i in sorted(rows):
-            writer.writerows({**row, "point": i, **points[i]} for row in rows[i])
-        data = text.getvalue().encode("utf-8", "replace")
-        summary = {"kind": "study", "status": "complete" if len(rows) == len(points) else "unfinished", "title": self.title,
-                   "hdengine": _engine.version(), "versions": versions, "points": len(points), "done": len(rows), "failed": failed,
-                   "swept": [*self.together, *self.grid], "figure": self.figure, "identity": identity, "scene": scene,
-                   "table_sha256": hashlib.sha256(data).hexdigest()}
-        summary = json.loads(json_text(summary))
-        summary["checksum"] = _checksum(summary)
-        write_files({out / "study.csv": data, out / "study.json": json_text(summary)})
+    def _write(self, out: Path, identity: dict, scene: dict, rows: Mapping[int, list], versions: list,
+               heads: dict | None = None, kept: list | None = None) -> None:
+        """Table and its description, each under a temporary name first; the description holds checksums of both.
+
+        `heads` is what `head_of` finds for each point, where that is known before; `kept` gets the rows that a figure needs.
+        """
+        points, places = self.points, sorted(rows)
+        heads = heads or {i: head_of(rows[i]) for i in places}
+        names, failed = dict.fromkeys(["point", *self.together, *self.grid]), sum(bad for _, bad in heads.values())
+        for i in places:   # the order of the columns is that of the points, whoever solved them first
+            names |= dict.fromkeys(heads[i][0])
+        columns, digest = sorted(names, key=lambda name: name == "reason"), hashlib.sha256()
+        shown = columns_of({"figure": self.figure, "swept": [*self.together, *self.grid]})
+        shown = columns if shown is None else [k for k in columns if k in shown]
+
+        def table():
+            """Bytes of the table, point by point."""
+            for i in [-1, *places]:
+                own = {"point": str(i), **{k: str(v) for k, v in points[i].items()}}
+                whole = [{**row, **own} for row in rows[i]] if i >= 0 else [dict(zip(columns, columns))]
+                lines = (_csv_line([*map(row.get, columns, itertools.repeat(""))]) for row in whole)
+                data = "".join(lines).encode("utf-8", "replace")
+                if kept is not None and i >= 0:
+                    kept.extend({k: _number(str(row[k])) for k in shown if k in row} for row in whole)
+                digest.update(data)
+                yield data
+
+        def description():
+            summary = {"kind": "study", "status": "complete" if len(rows) == len(points) else "unfinished", "title": self.title,
+                       "hdengine": _engine.version(), "versions": versions, "points": len(points), "done": len(rows),
+                       "failed": failed, "swept": [*self.together, *self.grid], "figure": self.figure, "identity": identity,
+                       "scene": scene, "table_sha256": digest.hexdigest()}
+            summary = json.loads(json_text(summary))
+            yield json_text(summary | {"checksum": _checksum(summary)}).encode()
+        write_files({out / "study.csv": table(), out / "study.json": description()})
+
+
+def columns_of(summary: dict) -> list | None:
+    """Columns of the table that its figure is drawn from; None: all."""
+    figure = summary["figure"]
+    if figure.get("kind") in FIGURES:
+        return None
+    ys = figure.get("y") or [*LOOP[:4], *SHOWN]
+    return ["point", "status", "reason", "torque_nm", *summary["swept"], *(figure[k] for k in ("x", "lines") if k in figure),
+            *(y + end for y in ([ys] if isinstance(ys, str) else ys) for end in ("", "_low", "_high"))]
+
+
+def head_of(rows: list) -> tuple:
+    """Names in the rows of a point, and whether it failed."""
+    return tuple(dict.fromkeys(itertools.chain(*rows))), rows[-1]["status"] == "failed"
+
+
+def _csv_line(cells):
+    """A line as csv.writer writes it, which takes longer: it is asked for numbers that are no text yet and for quotes."""
+    try:
+        line = ",".join(cells)
+        if line.count(",") == len(cells) - 1 and '"' not in line and "\n" not in line and "\r" not in line:
+            return line + "\r\n"
+    except TypeError:
+        pass
+    text = io.StringIO(newline="")
+    csv.writer(text).writerow(cells)
+    return text.getvalue()
 
 
 def _checksum(summary):
@@ -334,7 +395,11 @@ def read_study_summary(folder: PathLike) -> dict[str, Any]:
     folder = Path(folder)
     if not (folder / "study.json").is_file():
         raise FileError(f"'{folder}' holds no study: study.json is missing")
-    table = hashlib.sha256(input_file(folder / "study.csv").read_bytes()).hexdigest()
+    digest = hashlib.sha256()
+    with open(input_file(folder / "study.csv"), "rb") as file:
+        while part := file.read(2**20):
+            digest.update(part)
+    table = digest.hexdigest()
     cause = "study.json"
     for name in ("study.json", "study.json.part"):
         try:
@@ -348,8 +413,9 @@ def read_study_summary(folder: PathLike) -> dict[str, Any]:
     raise FileError(f"'{folder / cause}' is not as the study left it (its checksum differs): add --force to solve all points anew")
 
 
+@functools.lru_cache(4096)
 def _number(text):
-    for convert in (int, float):
+    for convert in (int, float) if text[-1:].isdigit() and "." not in text else (float,):
         try:
             return convert(text)
         except ValueError:
@@ -357,18 +423,26 @@ def _number(text):
     return text
 
 
-def read_rows(path: PathLike) -> list:
-    """Rows of a CSV table as dicts, numbers converted, empty cells left out."""
+def read_rows(path: PathLike, columns: Sequence[str] | None = None) -> list:
+    """Rows of a CSV table as dicts, numbers converted, empty cells left out; only the columns named, where they are."""
     input_file(path)
     try:
         with open(path, newline="", encoding="utf-8") as file:
-            return [{k: _number(v) for k, v in row.items() if v != ""} for row in csv.DictReader(file)]
+            table = csv.reader(file)
+            wanted = [(i, name) for i, name in enumerate(next(table, [])) if columns is None or name in columns]
+            return [{name: _number(row[i]) for i, name in wanted if i < len(row) and row[i] != ""} for row in table if row]
     except OSError as e:
         raise FileError(f"'{path}' cannot be read: {e}") from None
 
 
 class StudyResult:
     """A study read from its folder.
+
+    Parameters
+    ----------
+    folder : str or Path
+    rows : list of dict, optional
+        Rows of the table, or what is needed of them: it is not read then.
 
     Attributes
     ----------
@@ -381,10 +455,10 @@ class StudyResult:
     """
 
     @checked(folder=a_path)
-    def __init__(self, folder: PathLike) -> None:
+    def __init__(self, folder: PathLike, rows: list | None = None) -> None:
         self.folder = Path(folder)
         self.summary = read_study_summary(self.folder)
-        self.rows = read_rows(self.folder / "study.csv")
+        self.rows = read_rows(self.folder / "study.csv") if rows is None else rows
 
     @checked(name=text)
     def column(self, name: str, rows: Sequence[Mapping] | None = None) -> np.ndarray:

@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import _engine, torsion
 from .._check import ROUNDING
-from .._engine import HdengineError, InternalError
+from .._engine import HdengineError, InternalError, StoppedError
 from ..contact import Run, read_scene
 from ..results import long_axis
 
@@ -114,12 +114,13 @@ class _Worker:
         return True
 
     def death(self):
-        """How the process ended, in words."""
+        """How the process ended, in words, and whether it was stopped from outside."""
         code = self.process.wait()
         self.pipe.close()
         if code >= 0:
-            return f"exit code {code}"
-        return f"signal {signal.Signals(-code).name}" + (", as where memory is short" if code == -signal.SIGKILL else "")
+            return f"exit code {code}", False
+        short = ", as where memory is short" if code == -signal.SIGKILL else ""
+        return f"signal {signal.Signals(-code).name}{short}", -code in _engine.stop_signals()
 
     def end(self):
         """Let an idle process go, end a busy one."""
@@ -149,12 +150,14 @@ def solve_all(tasks: list, jobs: int = 1) -> Iterator:
     ------
     InternalError
         A worker process cannot start. One that dies later costs its task only.
+    StoppedError
+        Worker processes were stopped from outside: all other tasks are done, and those of these were not yielded.
     """
     if jobs <= 1:
         for number, *task in tasks:
             yield number, solve(*task)
         return
-    waiting = list(tasks)[::-1]
+    waiting, left = list(tasks)[::-1], []
     workers = [_Worker() for _ in range(min(jobs, len(tasks)))]
     try:
         while waiting or any(worker.task for worker in workers):
@@ -173,18 +176,24 @@ def solve_all(tasks: list, jobs: int = 1) -> Iterator:
                 try:
                     rows = pipe.recv()
                 except (EOFError, OSError):
-                    how = worker.death()
+                    how, stopped = worker.death()
                     if not worker.ready:
-                        raise InternalError(
+                        raise (StoppedError if stopped else InternalError)(
                             f"a worker process ended before it could begin ({how}); its message stands above") from None
                     rows = [{"status": "failed", "code": InternalError.code, "reason": f"the worker process died ({how})"}]
                     number, workers[i] = worker.task[0], _Worker()
+                    if stopped:
+                        left.append(f"{number} ({how})")
+                        continue
                 else:
                     if not worker.ready:
                         worker.ready = True
                         continue
                     number, worker.task = worker.task[0], None
                 yield number, rows
+        if left:
+            raise StoppedError(f"points left to do, as their worker processes were stopped: {', '.join(left[:8])}"
+                               f"{f' and {len(left) - 8} more' if left[8:] else ''}; the same command goes on with them")
     finally:
         for worker in workers:
             if worker.process.poll() is None:

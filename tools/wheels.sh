@@ -12,11 +12,11 @@ mkdir -p "$1/raw" "$1/wheels"
 work=$(cd "$1" && pwd)
 shift
 tests='run drive joint surface study balance kinematics load_path torsion'
-base() { "$1" -c 'import sys; print(sys.base_prefix)' 2>/dev/null; }
+base() { "$1" -c 'import sys; print(sys.base_prefix)'; }
 if [ $# -gt 0 ]; then pythons=("$@"); else
   pythons=()
   for minor in 10 11 12 13 14; do
-    if found=$(command -v "python3.$minor") && prefix=$(base "$found") && [ "$prefix" != /usr ]; then pythons+=("$found"); fi
+    if found=$(command -v "python3.$minor") && prefix=$(base "$found" 2>/dev/null) && [ "$prefix" != /usr ]; then pythons+=("$found"); fi
   done
   [ ${#pythons[@]} -gt 0 ] || { echo 'error: PATH has no python3.10 to 3.14 with a prefix of its own (pyenv, conda)' >&2; exit 2; }
 fi
@@ -50,9 +50,9 @@ for python in "${pythons[@]}"; do
   PATH="$work/env-$version/bin:$PATH" quietly "$work/env-$version/bin/python" -m auditwheel repair "$work/raw/$version"/*.whl -w "$work/raw/$version/fixed"
   wheel=$("$work/env-$version/bin/python" tools/wheel_licences.py "$work/raw/$version/fixed"/*.whl "$work/wheels")
   mkdir -p "$system$home" "$system/job"
-  rm -rf "$system/job/data" "$system/job/docs" "$system/job/tests"
+  rm -rf "$system/job"/{data,docs,tests}
   cp "$wheel" "$system/job"
-  cp -R data docs tests "$system/job"  # a test reads a number in a page
+  cp -R data docs tests pyproject.toml "$system/job"  # a test reads a number in a page
   mount --bind "$home" "$system$home"
   for way in venv user target pipx; do
     cat >"$system/job/prove" <<JOB
@@ -76,7 +76,7 @@ row=\$(value k_ts_nm_per_rad)
 if [ $way = venv ]; then
   \$bin/hdengine.x data/drive14.nml --out out --force -q
   row="\$row | \$(value k1_nm_per_rad), \$(value k2_nm_per_rad), \$(value k3_nm_per_rad)"
-  env/bin/pip install -q './$(basename "$wheel")[plot]' pytest meshio scipy
+  env/bin/pip install -q './$(basename "$wheel")[plot,tables]' pytest meshio scipy
   export HDENGINE_EXE=\$(env/bin/python -c 'import hdengine_x; print(hdengine_x.PROGRAM)')
   env/bin/python -m pytest -q -p no:cacheprovider -m 'not full' $(printf 'tests/python/test_%s.py ' $tests) >pytest.log ||
     { cat pytest.log >&2; exit 1; }

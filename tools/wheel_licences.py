@@ -63,7 +63,7 @@ def main(wheel, folder):
         (texts / "LIBRARIES.md").write_text("# Libraries inside this wheel\n\n" + "\n".join(rows) + "\n")
         bills = sorted(info.glob("sboms/*.json"))
         if not bills:
-            raise SystemExit(f"{wheel} has no SBOM; auditwheel 6.5 or later writes one")
+            raise SystemExit(f"{wheel} has no SBOM: auditwheel is too old")
         for bill in bills:
             told = json.loads(bill.read_text())
             listed = {part["name"] for part in told["components"]}

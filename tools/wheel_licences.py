@@ -20,6 +20,11 @@ def said(*command):
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
+def common_texts(text):
+    """Files of /usr/share/common-licenses that one of Debian's copyright files points to: Apache-2.0, GPL-3, LGPL."""
+    return sorted(set(re.findall(r"/usr/share/common-licenses/([A-Za-z0-9]+(?:-[0-9.]*[0-9])?)", text)))
+
+
 def package_of(library):
     """Debian package of a vendored library, whose name carries a hash: libscotch-7-f76822b3.0.3.so is libscotch-7.0.3.so."""
     path = min(Path("/usr/lib/x86_64-linux-gnu").rglob(re.sub("-[0-9a-f]{8}", "", library)), key=lambda p: len(p.parts)).resolve()
@@ -48,7 +53,7 @@ def main(wheel, folder):
             source, version = said("dpkg-query", "-W", "-f", "${source:Package} ${source:Version}", package).split()
             text = Path("/usr/share/doc", package, "copyright").read_text(errors="replace")
             (texts / f"{package}.txt").write_text(text)
-            for name in re.findall(r"/usr/share/common-licenses/([A-Z]+-[0-9.]*[0-9])", text):  # Debian's texts point there
+            for name in common_texts(text):
                 (texts / f"{name}.txt").write_bytes(Path("/usr/share/common-licenses", name).read_bytes())
             names = GCC.get(package) or sorted(set(re.findall(r"^License: (\S.*)$", text, re.M)))
             licences[package] = names
@@ -56,7 +61,10 @@ def main(wheel, folder):
             rows.append(f"| {', '.join(libraries)} | {package} {version} | https://snapshot.debian.org/package/{source}/{version}/ | "
                         f"{', '.join(names)} |")
         (texts / "LIBRARIES.md").write_text("# Libraries inside this wheel\n\n" + "\n".join(rows) + "\n")
-        for bill in info.glob("sboms/*.json"):
+        bills = sorted(info.glob("sboms/*.json"))
+        if not bills:
+            raise SystemExit(f"{wheel} has no SBOM: auditwheel is too old")
+        for bill in bills:
             told = json.loads(bill.read_text())
             listed = {part["name"] for part in told["components"]}
             told["components"] += [part for package, part in known.items() if package not in listed]

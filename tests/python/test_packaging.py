@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The recipes of packaging/ ask for what pyproject.toml and config/meson.build ask for."""
+"""The recipes of packaging/ ask for what pyproject.toml and config/meson.build ask for; what an index and a wheel show is whole."""
 import re
 import shutil
 import subprocess
+import sys
 
 import pytest
 import yaml
 
 from conftest import ROOT
+
+sys.path.insert(0, str(ROOT / "tools"))
+import wheel_licences
 
 try:
     import tomllib
@@ -61,7 +65,7 @@ def test_recipes_ask_for_the_requirements():
 def test_recipes_ask_for_the_libraries():
     """Each recipe asks for each library that the build looks for, environment.yml for conda's, Apptainer for the packages of ./hd."""
     build = (ROOT / "config/meson.build").read_text()
-    found = set(re.findall(r"(?:dependency|find_library)\('(\w+)'", build)) | {re.search(r"\[\['(\w+)'", build)[1], re.search(r"dependency\(\{'(\w+)'", build)[1]}
+    found = set(re.findall(r"(?:dependency|find_library)\('(\w+)'", build)) | {re.search(r"\[\['(\w+)'", build)[1], re.search(r"lapack_name = \{'(\w+)'", build)[1]}
     assert found - COMPILERS_OWN == LIBRARIES.keys()
     for name, words in LIBRARIES.items():
         for recipe, pattern in words.items():
@@ -103,3 +107,19 @@ def test_recipes_take_their_version_from_the_sdist(tmp_path):
     assert version in (tmp_path / "conda/recipe.yaml").read_text()
     code = re.sub(r'"[^"]*"|;.*', "", RECIPES["guix"])
     assert code.count("(") == code.count(")")
+
+
+def test_texts_that_debian_points_to():
+    """A wheel gets each common text that its libraries' copyright files point to: by a number, without one, at a sentence's end, in quotes."""
+    text = """found in `/usr/share/common-licenses/Apache-2.0'. The GPL is in
+        /usr/share/common-licenses/GPL. and its version 2 in "/usr/share/common-licenses/GPL-2". Others:
+        ‘/usr/share/common-licenses/LGPL-2.1’, /usr/share/common-licenses/LGPL, /usr/share/common-licenses/CC0-1.0 and again
+        /usr/share/common-licenses/GPL-2"""
+    assert wheel_licences.common_texts(text) == ["Apache-2.0", "CC0-1.0", "GPL", "GPL-2", "LGPL", "LGPL-2.1"]
+
+
+def test_description_has_no_relative_link():
+    """What a package index shows has no picture or link that needs the checkout, and names both commands."""
+    text = (ROOT / TOLD["project"]["readme"]).read_text()
+    assert "![" not in text and not re.findall(r"\]\((?!https:)", text) and re.search(r"doi\.org/([^)]+)\)", text)[1] in (ROOT / "CITATION.cff").read_text()
+    assert all(f"`{command} " in text for command in TOLD["project"]["scripts"])

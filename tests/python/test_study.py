@@ -356,13 +356,11 @@ def test_the_program_hands_a_study_to_the_command(exe, tmp_path):
     (tmp_path / "bin").mkdir()
     (tmp_path / "bin/hdengine").write_text("#!/bin/sh\nprintf '<%s>' \"$@\"\n")
     (tmp_path / "bin/hdengine").chmod(0o755)
-    copy = shutil.copy(exe, tmp_path / "copy.x")
     for given, handed in ((["-q"], ["-q"]), ([], []), (["--out", "o", "--force"], ["--force", "--out", "o"])):
-        told = call(copy, path, *given, env={"PATH": f"{tmp_path}/bin:/usr/bin:/bin"}).stdout
+        told = call(exe, path, *given, env={"PATH": f"{tmp_path}/bin:/usr/bin:/bin"}).stdout
         assert told == "".join(f"<{word}>" for word in ["study", path, *handed]), told
     done = call(exe, path, "load.torque=3", "--out", tmp_path / "p")
     assert done.returncode == 2 and "[fixed]" in done.stderr and not (tmp_path / "p").exists()
-    lone = shutil.copy(exe, tmp_path / "lone.x")
-    done = call(lone, path, "--out", tmp_path / "p", env={"PATH": ""})
+    done = call(exe, path, "--out", tmp_path / "p", env={"PATH": ""})
     assert done.returncode == 2 and done.stderr.count("error: ") == 1 and "hdengine study" in done.stderr
     assert not (tmp_path / "p").exists()

@@ -24,7 +24,7 @@ module hd_expectation
   type :: band_spectrum_t
     integer :: model = model_isotropic      !< one of model_*
     real(dp) :: f_lo = 0, f_hi = 0          !< band [1/m], for isotropic and profile
-    type(ridges_t) :: ridges                !< the sum, for ridges (gamma also for paper)
+    type(ridges_t) :: ridges = ridges_t()   !< the sum, for ridges (gamma also for paper)
   end type band_spectrum_t
 
   !> ln S per G^(2(D-2)) over D.

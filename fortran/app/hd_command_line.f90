@@ -77,6 +77,9 @@ contains
       i = i + 1
     end do
     if (allocated(error)) return
+    call refuse_blank(command%input)
+    if (.not. allocated(error)) call refuse_blank(command%folder)
+    if (allocated(error)) return
     if (command%force .and. command%resume) then
       call raise(error, code_input, '--force begins anew, --resume goes on: give one of them')
       return
@@ -86,6 +89,13 @@ contains
       call raise(error, code_input, 'no input file; usage: hdengine.x [options] input.nml (see hdengine.x --help)')
     end if
   contains
+    !> A path that ends with a blank would be taken for the one without.
+    subroutine refuse_blank(path)
+      character(len=*), intent(in) :: path
+      if (len(path) > len_trim(path)) call raise(error, code_input, "the path '"//path//"' ends with a blank; "// &
+        'valid: one that does not')
+    end subroutine refuse_blank
+
     subroutine take_value(value)
       character(len=:), allocatable, intent(out) :: value
       i = i + 1

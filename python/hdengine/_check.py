@@ -201,9 +201,9 @@ def path(name, value):
     if isinstance(value, (str, os.PathLike)) and not isinstance(value, bytes):
         with contextlib.suppress(UnicodeError):
             found = os.fsencode(value) if isinstance(os.fspath(value), str) else b"\0"
-            if b"\0" not in found and len(found) < 4096 and max(map(len, found.split(b"/"))) < 256:
+            if b"\0" not in found and not found.endswith(b" ") and len(found) < 4096 and max(map(len, found.split(b"/"))) < 256:
                 return value
-    return _fail(name, value, "a path: a text or a pathlib.Path, names of up to 255 bytes")
+    return _fail(name, value, "a path: a text or a pathlib.Path, names of up to 255 bytes, no blank at its end")
 
 
 def input_file(path, most=None):

@@ -2,6 +2,7 @@
 """A stopped run goes on as if it had never stopped, with its own scene only."""
 import csv
 import json
+import math
 import random
 import re
 import shutil
@@ -13,6 +14,7 @@ import pytest
 
 import hdengine
 from conftest import CD14, ROOT, call
+from hdengine.studies.study import Study
 
 SMALL = {"mesh__divisions": 20, "mesh__band_facets": 4}
 WORDS = ["mesh.divisions=20", "mesh.band_facets=4"]
@@ -150,6 +152,27 @@ def test_only_the_same_scene_goes_on(exe, tmp_path):
     assert done.returncode == 0 and "is complete" in done.stdout
     with pytest.raises(hdengine.InputError, match="is complete"):
         hdengine.Run(CD14, tmp_path / "r", resume=True, **SMALL)
+
+
+@pytest.mark.parametrize("name, text, keys", [
+    ("k.csv", lambda x: f"pressure_pa,k_n_pa_per_m\n1e6,2e12\n1e8,{x}e14\n", {"joint.model": "table", "joint.table_file": "k.csv"}),
+    ("cam.csv", lambda x: "theta_deg,radius_m\n" + "".join(
+        f"{t},{16.5e-3 + x * 1e-4 * math.cos(math.radians(2 * t))}\n" for t in range(0, 360, 10)), {"wave_generator.cam": "table", "wave_generator.cam_file": "cam.csv"})])
+def test_only_the_same_tables_go_on(exe, tmp_path, name, text, keys, monkeypatch):
+    """A file that a key names is part of the scene, of a run and of a study: changed while the work rests, it is refused."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / name).write_text(text(1.9))
+    stopped_run(tmp_path / "r", 2, **{key.replace(".", "__"): value for key, value in keys.items()})
+    study = Study(grid={"load.torque": [1, 2]}, fixed={"mesh.divisions": 16, "mesh.band_facets": 3, "load.torque_steps": 1, **keys})
+    study.run(tmp_path / "s", show=False)
+    (tmp_path / name).write_text(text(1.8))
+    words = [*WORDS, *(f"{key}={value}" for key, value in keys.items()), "--out", tmp_path / "r", "--resume"]
+    done = call(exe, CD14, *words)
+    assert done.returncode == 3 and "of other tables" in done.stderr and ".".join(list(keys)[1].split(".")) in done.stderr
+    with pytest.raises(hdengine.FileError, match="holds another study"):
+        study.run(tmp_path / "s", show=False)
+    (tmp_path / name).write_text(text(1.9))
+    assert call(exe, CD14, *words).returncode == 0
 
 
 def test_broken_checkpoint_or_table_is_named(exe, tmp_path):

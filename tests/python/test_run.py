@@ -74,6 +74,17 @@ def test_results_land_where_the_run_starts(exe, tmp_path, name, folder):
     assert [path.name for path in (tmp_path / "here").iterdir()] == [folder]
 
 
+def test_paths_end_with_no_blank(exe, small_run, tmp_path, monkeypatch):
+    """A path that ends with a blank is refused: the engine would take the file or folder without it."""
+    before = (small_run / "summary.json").read_bytes()
+    for words in ([f"{CD14} "], [CD14, "--out", f"{small_run} ", "--force"]):
+        done = call(exe, *words, cwd=tmp_path)
+        assert done.returncode == 2 and "ends with a blank" in done.stderr
+    with pytest.raises(hdengine.InputError, match="no blank at its end"):
+        hdengine.run(CD14, f"{small_run} ", force=True)
+    assert before == (small_run / "summary.json").read_bytes() and not list(tmp_path.iterdir())
+
+
 def test_earlier_results_are_kept(exe, small_run):
     """A folder with results is refused with code 3 and left as it was; --force replaces it."""
     before = (small_run / "summary.json").read_text()

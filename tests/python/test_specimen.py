@@ -230,6 +230,7 @@ def test_the_specimens_of_data_are_what_their_script_makes(tmp_path):
     ("m.npy", {"unit": ("um",) * 3, "spacing": 1e-6}, "one unit, or two"),
     ("g.xml", {"unit": "um"}, "states its unit"), ("g.xml", {"spacing": 1e-6}, "states its size"), ("bare.xml", {"unit": "um"}, "no lateral size"),
     ("few.xml", {}, "states 3 points and holds 2"), ("cut.xml", {}, "damaged or cut"),
+    *((f"{i}.sdf", {"unit": "um", "spacing": 1e-6}, "format SDF") for i in range(4)),
     ("t.sdf", {}, "states 2 x 2 points and holds 3"), ("words.sdf", {}, "damaged"),
 ])
 def test_what_a_file_states_is_not_said_again(tmp_path, name, keys, says):
@@ -238,6 +239,8 @@ def test_what_a_file_states_is_not_said_again(tmp_path, name, keys, says):
     files = {"g.xml": gauge.format(2, "<UNITS>um</UNITS><SPACING>0.5</SPACING>", "1 2"), "bare.xml": gauge.format(2, "", "1 2"),
              "few.xml": gauge.format(3, "<UNITS>um</UNITS><SPACING>0.5</SPACING>", "1 2"), "cut.xml": "<SOFTGAUGE><DATAFILE>",
              "t.sdf": "aISO-1.0\nNumPoints = 2\nNumProfiles = 2\nXscale = 1\nYscale = 1\nZscale = 1\n*\n1 2 3\n*\n",
+             **{f"{i}.sdf": first + "-1.0\nNumPoints = 2\nNumProfiles = 1\nXscale = 1\nYscale = 1\nZscale = 1\n*\n1 2\n*\n"
+                for i, first in enumerate(("\ufeffaISO", "aiso", "\n aISO", "# a map\naISO"))},
              "words.sdf": "aISO-1.0\nNumPoints = two\n*\n1\n*\n"}
     if name in files:
         (tmp_path / name).write_text(files[name].replace("<SOFT", "<!DOCTYPE DATA SYSTEM 'softgauge.dtd'>\n<SOFT", 1))

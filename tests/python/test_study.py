@@ -328,6 +328,9 @@ def test_study_files(tmp_path):
     assert study.grid == {"load.torque": [1, 2.5e-3], "load.support": ["hub", "bearing"]} and list(study.grid)[0] == "load.torque"
     assert study.fixed == {"output.positions": [0, 1e-3, 2e-3], "mesh.divisions": 16} and study.rows == "last"
     assert study.figure == {"y": ["friction", "step"], "x": "torque_nm"} and study.title == "s"
+    path.write_text("[grid]\n\"load.torque\" = [2, 3]\nload.torque = [4]\n")
+    with pytest.raises(hdengine.InputError, match=r"(?s)'load.torque' stands twice in \[grid\].*s.toml"):
+        Study.read(path)
     path.write_bytes(b"[study]\ntitle = '\xff'\n")
     with pytest.raises(hdengine.FileError, match="s.toml"):
         Study.read(path)

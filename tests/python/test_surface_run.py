@@ -158,6 +158,23 @@ def raw_npy(shape, body=bytes(80)):
     return b"\x93NUMPY\1\0" + struct.pack("<H", len(text)) + text.encode() + body
 
 
+@pytest.mark.parametrize("head, fits", [("'fortran_order':True,'shape':(2,5)", True), ("'fortran_order':  True, 'shape': ( 2, 5 )", True),
+                                        ("'fortran_order': 1, 'shape': (2, 5)", False), ("'shape': (2, 5)", False),
+                                        ("'fortran_order': True, 'shape': (2, 5), 'shape': (5, 2)", False)])
+def test_headers_may_be_spaced_in_any_way(tmp_path, head, fits):
+    """A .npy by columns is read so however its header is spaced; one that does not say its order once is refused."""
+    z = 1e-6 * np.arange(10.0).reshape(2, 5)
+    text = f"{{'descr': '<f8', {head}}}".ljust(117) + "\n"
+    (tmp_path / "a.npy").write_bytes(b"\x93NUMPY\1\0" + struct.pack("<H", len(text)) + text.encode() + z.tobytes("F"))
+    keys = {"fit__first_file": str(tmp_path / "a.npy"), "fit__dx": 1e-6, "fit__model": "none"}
+    if fits:
+        hdengine.run_surface(out=tmp_path / "a.out", **keys)
+        np.testing.assert_array_equal(np.load(tmp_path / "a.out/first.npy"), z)
+    else:
+        with pytest.raises(hdengine.FileError, match="no array of heights"):
+            hdengine.run_surface(out=tmp_path / "a.out", **keys)
+
+
 @pytest.mark.parametrize("shape", ["", "'shape': ()", "'shape': (5,)", "'shape': (1000000, 1000000)", "'shape': (3000000000, 3000000000)",
                                    "'shape': (2147483647, 2147483647)", "'shape': (-2, -5)", "'shape': (2*5,)", "'shape': (2, 5/)",
                                    "'shape': (5, 2", "'shape': (11,)", "'shape': (1, 2, 5)", "'shape': (2.0, 5)"])

@@ -75,10 +75,13 @@ contains
     if (head(:8) /= magic .or. bytes < len(head) + n) status = 1
     allocate (character(len=merge(n, 0, status == 0)) :: words)
     if (status == 0) read (unit, iostat=status) words
+    if (status == 0) words = without_blanks(words)
+    if (status == 0 .and. .not. (once(words, "'shape':") .and. once(words, "'descr':") .and. once(words, "'fortran_order':") .and. &
+      (index(words, "'fortran_order':True") > 0 .or. index(words, "'fortran_order':False") > 0))) status = 1
     if (status /= 0) call raise(error, code_file, "'"//path//"' is no array of heights: "//valid)
     if (.not. allocated(error)) call read_shape(path, words, bytes - len(head) - n, extent, error)
     if (.not. allocated(error)) then
-      swapped = index(words, "'fortran_order': True") > 0 .and. minval(extent) > 1
+      swapped = index(words, "'fortran_order':True") > 0 .and. minval(extent) > 1
       if (swapped) extent = extent([2, 1])
       allocate (a(extent(2), extent(1)), stat=status)
       if (status == 0 .and. index(words, "'<f8'") > 0) then
@@ -94,6 +97,25 @@ contains
     end if
     close (unit)
   end subroutine read_npy
+
+  !> A text without its blanks: a header may be spaced in any way.
+  pure function without_blanks(text) result(short)
+    character(len=*), intent(in) :: text  !< text
+    character(len=:), allocatable :: short
+    integer :: i
+    short = ''
+    do i = 1, len(text)
+      if (text(i:i) /= ' ') short = short//text(i:i)
+    end do
+  end function without_blanks
+
+  !> A word stands in a text once.
+  pure logical function once(text, word)
+    character(len=*), intent(in) :: text, word  !< text, word
+    integer :: at
+    at = index(text, word)
+    once = at > 0 .and. at == index(text, word, back=.true.)
+  end function once
 
   !> Rows and points that a header states; the bytes behind it must be theirs.
   subroutine read_shape(path, words, bytes, extent, error)

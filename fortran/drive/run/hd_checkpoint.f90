@@ -64,10 +64,11 @@ module hd_checkpoint
 
   !> What a file begins with; at its end stands the checksum of all before.
   type :: head_t
-    character(len=21) :: magic = 'hdengine checkpoint D'
+    character(len=21) :: magic = 'hdengine checkpoint E'
     character(len=32) :: version = version
     integer(int64) :: bytes = 0           !< of the file
-    integer(int64) :: scene = 0           !< checksum of the keys that may not change
+    integer(int64) :: scene = 0           !< checksum of the keys that may not change,
+    integer(int64) :: files = 0           !< and of the tables that they name
     integer :: nodes = 0, points = 0      !< of the mesh
   end type head_t
 
@@ -105,6 +106,7 @@ contains
     type(head_t) :: head
     integer(int64) :: sum
     head%scene = scene_checksum(scene)
+    head%files = scene%files
     head%nodes = size(state%u, 2)
     head%points = size(state%traction, 2)
     call file%open(file_of(output%folder), error)
@@ -160,6 +162,9 @@ contains
         status = 1
       else if (status == 0 .and. head%scene /= scene_checksum(scene)) then
         cause = 'of another scene'
+        status = 1
+      else if (status == 0 .and. head%files /= scene%files) then
+        cause = 'of other tables: joint.table_file, joint.spectrum_file or wave_generator.cam_file have changed since'
         status = 1
       else if (status == 0 .and. (head%nodes /= size(state%u, 2) .or. head%points /= size(state%traction, 2))) then
         cause = 'of another mesh'

@@ -1,6 +1,8 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> From an input file and assignments to a checked scene, with every mistake in one message; echo.
 module hd_input
+  use, intrinsic :: iso_fortran_env, only: int64
+  use hd_checksum, only: checksum, file_checksum, hexadecimal, whole
   use hd_error, only: error_t, raise, code_file, code_input
   use hd_namelist, only: namelist_t, read_namelist, report, faults_text
   use hd_new_file, only: write_text
@@ -69,7 +71,21 @@ contains
       return
     end if
     if (.not. scene%planned_tolerance > 0 .and. scene%kinematics_open()) scene%kinematics = 'linear'
+    scene%files = sum_of_files([scene%cam_file, scene%joint_table, scene%joint_spectrum])
   end subroutine read_scene
+
+  !> Checksum of what files hold; a name without a file counts for nothing.
+  integer(int64) function sum_of_files(names) result(sum)
+    character(len=*), intent(in) :: names(:)  !< files, '' for none
+    integer(int64) :: one
+    integer :: i, status
+    sum = 0
+    do i = 1, size(names)
+      if (len_trim(names(i)) == 0) cycle
+      call file_checksum(trim(names(i)), whole, one, status)
+      if (status == 0) sum = checksum(hexadecimal(one), sum)
+    end do
+  end function sum_of_files
 
   !> Two keys may say one thing: where a source, a file or what is given beside it, has one alone, the other says nothing. Where it
   !> has both, a clearance counts more than an interference, and a list more than the one number that makes it. Gaps of the teeth

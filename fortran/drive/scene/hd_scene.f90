@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> The scene: every parameter of a run, in SI units. Bounds, units and meanings stand in hd_parameters.
 module hd_scene
+  use, intrinsic :: iso_fortran_env, only: int64
   use hd_kinds, only: dp
   use hd_surface_scene, only: surface_t, surface_fit_t
   use hd_support, only: support_t
@@ -47,6 +48,7 @@ module hd_scene
     integer :: lobes = 2
     character(len=name_length) :: perimeter = 'kept'
     character(len=path_length) :: cam_file = ''
+    integer(int64) :: files = 0          !< checksum of the tables that keys name, as the scene was read
     ! contact
     character(len=name_length) :: contact_mode = 'frictional', contact_law = 'hard', slave = 'ring'
     real(dp) :: friction = 0.15_dp, torque_friction = 0, zero_pressure = 1e3_dp

@@ -3,6 +3,7 @@
 module hd_measurement
   use hd_kinds, only: dp
   use hd_error, only: error_t
+  use hd_memory, only: need_memory
   use hd_observation, only: observation_t, observe, level_plane, add_observation
   use hd_cleaning, only: cleaned_t, clean_map
   use hd_seams, only: seams_t, add_seams
@@ -10,10 +11,13 @@ module hd_measurement
   use hd_map_fit, only: blind_t, fit_blind, judge_blind, name_lay
   use hd_expectation, only: band_spectrum_t, check_spectrum, model_isotropic, model_profile, model_spectrum
   use hd_structure_fit, only: fit_options_t, fit_t, fit_surface
+  use hd_system, only: addresses_limited, check_stop
   use hd_verdict, only: verdict_t, judge_map, judge_fit, fractal
   implicit none
   private
   public :: measurement_t, measure
+
+  real(dp), parameter :: least_mb = 16  !< of a fit; where it is not to be had, BLAS asks for it for ever
 
   !> All that is found. `fit%curve` is not allocated for a constant and a plane.
   type :: measurement_t
@@ -47,7 +51,8 @@ contains
     type(cleaned_t) :: first_map, second_map
     real(dp) :: tilt(2), band(2)
     logical :: diagonals
-    call check_spectrum(p, error)
+    if (addresses_limited()) call need_memory('a fit', least_mb, error)
+    if (.not. allocated(error)) call check_spectrum(p, error)
     if (allocated(error)) return
     model = p
     diagonals = model%model == model_spectrum
@@ -101,6 +106,7 @@ contains
     real(dp) :: rest(2)
     tilt = 0
     call check_map(z, dx, dy, error)
+    if (.not. allocated(error)) call check_stop(error)
     if (allocated(error)) return
     flat = z
     call level_plane(flat, tilt)
@@ -108,9 +114,15 @@ contains
     if (level) clean%z = flat
     call clean_map(clean%z, [dx, dy], .true., mask, .false., clean%seams, clean%spikes, clean%seen)
     if (level .and. clean%spikes + sum(clean%seams%count) > 0) call level_plane(clean%z, rest)
+    call check_stop(error)
+    if (allocated(error)) return
     call observe(clean%z, dx, dy, first, last, level, diagonals, o, error)
     if (allocated(error)) return
+    call check_stop(error)
+    if (allocated(error)) return
     call judge_map(z, flat, first, v, error)
+    if (.not. allocated(error)) call check_stop(error)
+    if (allocated(error)) return
     if (v%name == 'constant' .or. (level .and. v%name == 'plane')) o%s = 0   ! what is left is rounding
   end subroutine look
 

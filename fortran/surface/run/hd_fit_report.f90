@@ -7,7 +7,6 @@ module hd_fit_report
   use hd_expectation, only: band_spectrum_t, model_ridges, model_paper, model_spectrum
   use hd_json, only: json_t
   use hd_log, only: say
-  use hd_memory, only: need_memory
   use hd_measurement, only: measurement_t, measure
   use hd_npy, only: read_npy
   use hd_observation, only: fewest_lags, anisotropy
@@ -15,7 +14,7 @@ module hd_fit_report
   use hd_surface_scene, only: surface_t, surface_fit_t
   use hd_sdf, only: read_sdf
   use hd_structure_fit, only: fit_options_t
-  use hd_system, only: addresses_limited, check_stop, path_kind, path_file
+  use hd_system, only: check_stop, path_kind, path_file
   use hd_table, only: table_t
   use hd_text, only: to_text
   use hd_uncertainty, only: in_95
@@ -48,7 +47,6 @@ module hd_fit_report
   end type found_t
 
   real(dp), parameter :: largest = 600          !< ln G that is a number after exp
-  real(dp), parameter :: least_mb = 16          !< of a fit
   real(dp), parameter :: longest = 10           !< of a map and of a height: more is a wrong unit, or a mark for holes [m]
   integer, parameter :: most_lags = 20          !< of the window, where the key does not say
   integer, parameter :: most_waves = 4000       !< for the covariance of random phases
@@ -144,8 +142,6 @@ contains
       allocate (found(0))
       return
     end if
-    if (addresses_limited()) call need_memory('a fit', least_mb, error)
-    if (allocated(error)) return
     allocate (found(merge(3, 1, size(s) == 2)))
     do i = 1, size(found)
       call check_stop(error)

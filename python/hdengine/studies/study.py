@@ -38,6 +38,7 @@ CLEARANCE = "load.tooth_clearance"
 # keys in which a cup against its teeth differs from its contact, which does not feel the others
 OF_TEETH = ("load.support", "contact.mode", "wave_generator.ring_tangent", CLEARANCE, "load.tooth_gaps", "load.tooth_gaps_back",
             "load.tooth_stiffness")
+TABLES = ("joint.table_file", "joint.spectrum_file", "joint.from_fit", "wave_generator.cam_file")   # keys that name files
 WRITES_APART = 20   # from one writing of the table to the next, in durations of a writing: a long table costs a twentieth of all
 
 
@@ -182,6 +183,12 @@ class Study:
         text = input_file(self.scene, MOST_BYTES).read_bytes() if self.scene else b""
         identity = {"scene_sha256": hashlib.sha256(text).hexdigest(), "grid": list(self.grid.items()),
                     "together": list(self.together.items()), "fixed": self.fixed, "rows": self.rows}
+        given = [*self.grid.items(), *self.together.items(), *((key, [value]) for key, value in self.fixed.items())]
+        first = self.first_valid()[1]
+        names = {str(v) for key, values in given if key.replace("__", ".", 1).strip().lower() in TABLES for v in values}
+        names |= {str(first[key]) for key in TABLES if first.get(key)}
+        if files := sorted(name for name in names if Path(name).is_file()):
+            identity["tables_sha256"] = {name: hashlib.sha256(Path(name).read_bytes()).hexdigest() for name in files}
         return json.loads(json_text(identity))
 
     def check(self) -> dict:

@@ -102,9 +102,16 @@ def _lists(path, text, name, keys):
     found = {}  # type: ignore[var-annotated]
     for key, value in keys.items():
         if isinstance(value, dict):
-            found |= {f"{key}.{rest}": v for rest, v in _lists(path, text, name, value).items()}
+            more = {f"{key}.{rest}": v for rest, v in _lists(path, text, name, value).items()}
+        else:
+            more = {key: value if isinstance(value, list) else [value]}
+        if twice := sorted(found.keys() & more.keys()):
+            raise InputError(f"'{twice[0]}' stands twice in [{name}], quoted and dotted; valid: one list of its values\n"
+                             f"  --> {path}{_line(text, twice[0])}")
+        found |= more
+        if isinstance(value, dict):
             continue
-        found[key] = values = value if isinstance(value, list) else [value]
+        values = found[key]
         for v in (w for item in values for w in (item if isinstance(item, list) else [item])):
             if isinstance(v, bool) or not isinstance(v, (int, float, str)):
                 raise InputError(f"'{key}' in [{name}] holds {v!r}; valid: numbers and texts, alone or in a list\n"

@@ -46,6 +46,9 @@ def read(path: Path, unit: str | tuple[str, str] | None, spacing: Spacing | None
         if head[1:8] not in (b"ISO-1.0", b"BCR-1.0"):
             raise FileError(f"{path.name} is of version {head[1:8].decode('ascii', 'replace')!r}; valid: ISO-1.0, BCR-1.0")
         return _load(path) if head[:1] == b"b" else _load_text(path)
+    if re.search(rb"^(\xef\xbb\xbf)?\s*[ab](iso|bcr)-\d", head, re.I | re.M):
+        raise FileError(f"{path.name} is a map of the format SDF whose first word is not the first of the file, or not in its "
+                        "letters; valid: a file that begins with aISO-1.0, bISO-1.0, aBCR-1.0 or bBCR-1.0")
     if head[:6] == b"\x93NUMPY":
         return _load_array(path, unit, spacing)
     input_file(path, MOST_BYTES)

@@ -175,6 +175,16 @@ def test_only_the_same_tables_go_on(exe, tmp_path, name, text, keys, monkeypatch
     assert call(exe, CD14, *words).returncode == 0
 
 
+@pytest.mark.parametrize("spoil", [lambda path: path.unlink(), lambda path: (path.unlink(), path.mkdir())])
+def test_grids_of_earlier_steps_are_still_there(exe, tmp_path, spoil):
+    """A grid that the lists name and that is gone, or is no file, is named; the run does not go on."""
+    stopped_run(tmp_path / "r", 2, output__vtu="all")
+    spoil(tmp_path / "r/contact_0001.vtu")
+    done = call(exe, CD14, *WORDS, "output.vtu=all", "--out", tmp_path / "r", "--resume")
+    assert done.returncode == 3 and "contact_0001.vtu' of an earlier load step is gone" in done.stderr
+    assert json.loads((tmp_path / "r/summary.json").read_text())["status"] != "complete"
+
+
 def test_broken_checkpoint_or_table_is_named(exe, tmp_path):
     """A checkpoint cut short and a table that lost rows are errors of code 3; --resume without a run begins one."""
     stopped_run(tmp_path / "r", 2)

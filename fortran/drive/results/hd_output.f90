@@ -5,7 +5,7 @@ module hd_output
   use hd_kinds, only: dp
   use hd_body, only: cartesian, cell_nodes
   use hd_drive, only: drive_t
-  use hd_error, only: error_t
+  use hd_error, only: error_t, raise, code_file
   use hd_facets, only: facets_t, sums_t, sum_names, sum_values, facet_names, facet_rows
   use hd_hexahedron, only: hex20r
   use hd_input, only: write_echo
@@ -15,7 +15,7 @@ module hd_output
   use hd_scene, only: scene_t
   use hd_stress, only: body_stress, stress_matrices_t, principal_stresses, von_mises
   use hd_surface_run, only: surface_files
-  use hd_system, only: remove_file
+  use hd_system, only: path_file, path_kind, remove_file
   use hd_table, only: table_t
   use hd_teeth, only: teeth_t
   use hd_twist_shares, only: part_names
@@ -118,7 +118,11 @@ contains
       call remove_file(folder//'/'//grid_name('bodies', i))
       call remove_file(folder//'/'//grid_name('contact', i))
     end do
-    call write_lists(output, error)
+    do i = 1, size(output%grids)
+      call demand_file(grid_name('bodies', output%grids(i)))
+      call demand_file(grid_name('contact', output%grids(i)))
+    end do
+    if (.not. allocated(error)) call write_lists(output, error)
     if (allocated(error)) return
     call remove_file(folder//'/summary.json')
     call write_echo(folder//'/echo.nml', scene, error)
@@ -129,6 +133,13 @@ contains
     if (sizes(5) > 0 .and. .not. allocated(error)) call output%loop%reopen(folder//'/loop.csv', sizes(5), sums(5), error)
     if (sizes(6) > 0 .and. .not. allocated(error)) call output%balls%reopen(folder//'/balls.csv', sizes(6), sums(6), error)
     if (allocated(error)) call close_output(output, error)
+  contains
+    !> A grid that the lists name is there.
+    subroutine demand_file(name)
+      character(len=*), intent(in) :: name  !< in the folder
+      if (path_kind(folder//'/'//name) /= path_file .and. .not. allocated(error)) call raise(error, code_file, "'"//folder//'/'// &
+        name//"' of an earlier load step is gone, or no file: begin anew with --force")
+    end subroutine demand_file
   end subroutine reopen_output
 
   !> Lengths of the tables so far.

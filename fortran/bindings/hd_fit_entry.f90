@@ -8,6 +8,7 @@ module hd_fit_entry
   use hd_named_values, only: named_list_t
   use hd_observation, only: anisotropy
   use hd_structure_fit, only: fit_options_t, fit_t
+  use hd_uncertainty, only: error_of
   use hd_wave_sum, only: ridges_t
   implicit none
   private
@@ -91,6 +92,8 @@ contains
       call enter('misfit', f%misfit)
       call enter('chi2', f%chi2)
       call enter('freedom', real(f%freedom, dp))
+      call enter('d_error', error_of(f%interval(:, 1)))
+      call enter('ln_g_error', error_of(f%interval(:, 2)))
       call enter_interval('', f%interval)
       call enter_interval('_sampling', f%interval_sampling)
     end subroutine enter_fit

@@ -26,7 +26,7 @@ module hd_named_values
     'n_max,told,mask,f_lo,f_hi,gamma,length,noise'
   !> What a fit gives: numbers; curves over the lag; curves over the frequency.
   character(len=*), parameter :: fit_names = 'd,ln_g,noise_variance,cov_1,cov_2,cov_3,cov_4,cov_5,cov_6,cov_7,cov_8,'// &
-    'cov_9,rms,rms_expected,misfit,chi2,freedom,tilt_x,tilt_y,verdict,size,d_low,d_high,ln_g_low,ln_g_high,'// &
+    'cov_9,rms,rms_expected,misfit,chi2,freedom,tilt_x,tilt_y,verdict,size,d_error,ln_g_error,d_low,d_high,ln_g_low,ln_g_high,'// &
     'd_low_sampling,d_high_sampling,ln_g_low_sampling,ln_g_high_sampling,of_spectrum,spikes,holes,probe,fold,f_lo,f_hi,'// &
     'axis_x,axis_y,range_d_1,range_low_1,range_high_1,range_d_2,range_low_2,range_high_2,seams_x,seams_y,seam_step,'// &
     'jitter_x,jitter_y,wrong_from,clumps_from,anisotropy'

@@ -76,8 +76,6 @@ contains
     allocate (character(len=merge(n, 0, status == 0)) :: words)
     if (status == 0) read (unit, iostat=status) words
     if (status == 0) words = without_blanks(words)
-    if (status == 0 .and. .not. (once(words, "'shape':") .and. once(words, "'descr':") .and. once(words, "'fortran_order':") .and. &
-      (index(words, "'fortran_order':True") > 0 .or. index(words, "'fortran_order':False") > 0))) status = 1
     if (status /= 0) call raise(error, code_file, "'"//path//"' is no array of heights: "//valid)
     if (.not. allocated(error)) call read_shape(path, words, bytes - len(head) - n, extent, error)
     if (.not. allocated(error)) then
@@ -117,7 +115,7 @@ contains
     once = at > 0 .and. at == index(text, word, back=.true.)
   end function once
 
-  !> Rows and points that a header states; the bytes behind it must be theirs.
+  !> Rows and points that a header without blanks states; the bytes behind it must be theirs.
   subroutine read_shape(path, words, bytes, extent, error)
     character(len=*), intent(in) :: path, words       !< file and its header
     integer(int64), intent(in) :: bytes               !< behind the header
@@ -129,11 +127,13 @@ contains
     integer :: at, first, last, i
     logical :: ok
     extent = 1
-    at = index(words, "'shape'")
+    at = index(words, "'shape':")
     first = index(words(max(at, 1):), '(') + max(at, 1)
     last = index(words(first:), ')') + first - 2
     size_of = merge(8, 4, index(words, "'<f8'") > 0)
-    if (at == 0 .or. first == max(at, 1) .or. last < first - 1 .or. (size_of == 4 .and. index(words, "'<f4'") == 0)) then
+    ok = once(words, "'shape':") .and. once(words, "'descr':") .and. once(words, "'fortran_order':") .and. &
+      (once(words, "'fortran_order':True") .or. once(words, "'fortran_order':False"))
+    if (.not. ok .or. first == max(at, 1) .or. last < first - 1 .or. (size_of == 4 .and. index(words, "'<f4'") == 0)) then
       call raise(error, code_file, "'"//path//"' is no array of heights: "//valid)
       return
     end if

@@ -5,7 +5,7 @@ module hd_uncertainty
   use hd_observation, only: observation_t
   implicit none
   private
-  public :: identity, left_over, alike, unexplained, interval_95, in_95
+  public :: identity, left_over, alike, unexplained, interval_95, error_of, in_95
 
   real(dp), parameter :: in_95 = 1.959964_dp    !< standard deviations each way that hold 95 % of a normal distribution
   real(dp), parameter :: ripple = 0.15_dp       !< of ln tau over which residuals are alike, see unexplained
@@ -33,6 +33,12 @@ contains
       x(k) = u(i) - c(i, 3) / c(3, 3) * u(3) + reach
     end do
   end function interval_95
+
+  !> Standard error that a 95 % interval stands for.
+  pure real(dp) function error_of(interval) result(error)
+    real(dp), intent(in) :: interval(2)     !< low and high
+    error = (interval(2) - interval(1)) / (2 * in_95)
+  end function error_of
 
   !> Correlation of what a model is off by at two lags: over a range of ln tau.
   pure function alike(o, range) result(like)

@@ -17,7 +17,7 @@ module hd_fit_report
   use hd_system, only: check_stop, path_kind, path_file
   use hd_table, only: table_t
   use hd_text, only: to_text
-  use hd_uncertainty, only: in_95
+  use hd_uncertainty, only: error_of, in_95
   use hd_verdict, only: fractal, not_fractal
   use hd_wave_sum, only: ridges_t
   implicit none
@@ -274,11 +274,11 @@ contains
         call json%add('reason', f%m%verdict%reason)
         if (allocated(r%curve)) then
           call json%add('fractal_dimension', r%d)
-          call json%add('fractal_dimension_error', (r%interval(2, 1) - r%interval(1, 1)) / (2 * in_95))
+          call json%add('fractal_dimension_error', error_of(r%interval(:, 1)))
           call json%add('fractal_dimension_95', r%interval(:, 1))
           call json%add('fractal_dimension_95_sampling', r%interval_sampling(:, 1))
           call json%add('roughness_m', exp(r%ln_g))
-          call json%add('ln_roughness_error', (r%interval(2, 2) - r%interval(1, 2)) / (2 * in_95))
+          call json%add('ln_roughness_error', error_of(r%interval(:, 2)))
           call json%add('roughness_95_m', exp(max(-largest, min(largest, r%interval(:, 2)))))
           call json%add('roughness_95_sampling_m', exp(max(-largest, min(largest, r%interval_sampling(:, 2)))))
           call json%add('covariance', reshape(r%cov, [9]))

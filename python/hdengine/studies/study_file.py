@@ -105,15 +105,12 @@ def _lists(path, text, name, keys):
             more = {f"{key}.{rest}": v for rest, v in _lists(path, text, name, value).items()}
         else:
             more = {key: value if isinstance(value, list) else [value]}
+            for v in (w for item in more[key] for w in (item if isinstance(item, list) else [item])):
+                if isinstance(v, bool) or not isinstance(v, (int, float, str)):
+                    raise InputError(f"'{key}' in [{name}] holds {v!r}; valid: numbers and texts, alone or in a list\n"
+                                     f"  --> {path}{_line(text, key)}")
         if twice := sorted(found.keys() & more.keys()):
             raise InputError(f"'{twice[0]}' stands twice in [{name}], quoted and dotted; valid: one list of its values\n"
                              f"  --> {path}{_line(text, twice[0])}")
         found |= more
-        if isinstance(value, dict):
-            continue
-        values = found[key]
-        for v in (w for item in values for w in (item if isinstance(item, list) else [item])):
-            if isinstance(v, bool) or not isinstance(v, (int, float, str)):
-                raise InputError(f"'{key}' in [{name}] holds {v!r}; valid: numbers and texts, alone or in a list\n"
-                                 f"  --> {path}{_line(text, key)}")
     return found

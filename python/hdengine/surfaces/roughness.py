@@ -19,7 +19,6 @@ __all__ = ["expected_structure", "fit", "level", "structure_function"]
 _MOST_LAGS, _MOST_WAVES = 20, 4000   # of a window that nobody states; for the covariance of random phases (hd_fit_report)
 _MODELS = {"ridges": 3, "paper": 4, "spectrum": 5}
 _BANDS = {"isotropic": 1, "profile": 2}
-_IN_95 = 1.959964   # standard deviations each way that hold 95 % of a normal distribution
 _VERDICTS = {1: "fractal", 2: "not fractal", 3: "noise-dominated"}
 
 
@@ -283,8 +282,7 @@ def _result(v, curves, text, model, ridges, lags, band, levelled, dx, dy):
                                                 ("tau", "s", "model", "model_error", "sample_error"))
     return Fit(
         fractal_dimension=v["d"], roughness_m=float(np.exp(v["ln_g"])),
-        fractal_dimension_error=(v["d_high"] - v["d_low"]) / (2 * _IN_95),
-        ln_roughness_error=(v["ln_g_high"] - v["ln_g_low"]) / (2 * _IN_95),
+        fractal_dimension_error=v["d_error"], ln_roughness_error=v["ln_g_error"],
         covariance=cov, interval=_interval(v), sampling_interval=_interval(v, "_sampling"),
         noise_m=float(np.sqrt(v["noise_variance"])), verdict=_VERDICTS[int(v["verdict"])], kind=name.strip(), reason=reason.strip(),
         model=model, weighted=model == "ridges", ridges=ridges, lags=tuple(lags),

@@ -18,7 +18,7 @@ module hd_problem
   private
   public :: problem_t, state_t, load_t, new_problem, assemble_stiffness, use_lagrangian, update_tangent, strain_bodies, &
     stiffness_blocks, add_springs, loosen, apply_stiffness, largest_stiffness, internal_residual, gap_and_slip, new_state, &
-    keep_state, move_state, pair_bodies, update_struts, elastic_forces, linear_forces, strain_energy, strut_closings, &
+    keep_state, move_state, pair_bodies, update_struts, elastic_forces, body_forces, linear_forces, strain_energy, strut_closings, &
     strut_forces, forces_at
 
   integer, parameter :: long_loop = 2000  !< cells from which two threads are worth waking
@@ -261,7 +261,7 @@ contains
     type(problem_t), intent(in) :: problem  !< problem
     real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
     real(dp), intent(out) :: f(:, :)        !< forces (3, n) [N]
-    integer :: b, i
+    integer :: b
     if (allocated(problem%lagrangian) .and. .not. allocated(problem%stiffness%val)) then
       call sum_cells(problem%bodies, problem%first, problem%lagrangian, problem%tangent_at, f, along=u, strains=problem%strains)
       f = f + problem%spring*u
@@ -271,17 +271,27 @@ contains
       f = multiply(problem%stiffness, u)
       return
     end if
-    !$omp parallel do schedule(static) if(size(u) > many)
-    do i = 1, problem%n
-      f(:, i) = problem%spring(:, i)*u(:, i)
-    end do
-    !$omp end parallel do
     do b = 1, size(problem%bodies)
-      associate (low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
-        call add_product(problem%sector(b), u(:, low:high), f(:, low:high))
-      end associate
+      call body_forces(problem, b, u, f)
     end do
   end subroutine elastic_forces
+
+  !> Those of one of some bodies that are revolved, its springs included.
+  subroutine body_forces(problem, b, u, f)
+    type(problem_t), intent(in) :: problem  !< problem
+    integer, intent(in) :: b                !< body
+    real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
+    real(dp), intent(inout) :: f(:, :)      !< gets the forces on its nodes (3, n) [N]
+    integer :: i
+    associate (low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
+      !$omp parallel do schedule(static) if(3*(high - low) > many)
+      do i = low, high
+        f(:, i) = problem%spring(:, i)*u(:, i)
+      end do
+      !$omp end parallel do
+      call add_product(problem%sector(b), u(:, low:high), f(:, low:high))
+    end associate
+  end subroutine body_forces
 
   !> Largest entry of the stiffness of the bodies [N/m].
   pure real(dp) function largest_stiffness(problem) result(k)

@@ -291,7 +291,7 @@ contains
     type(problem_t), intent(in) :: problem   !< problem
     real(dp), intent(in) :: forces(:)        !< (struts) [N]
     real(dp), intent(in) :: pressed(:, :)    !< (3, multipliers) [N]
-    real(dp), intent(in) :: left(:, :)       !< of split_forces: the bodies do not answer to it (3, n) [N]
+    real(dp), allocatable, intent(in) :: left(:, :)  !< of split_forces: the bodies do not answer to it (3, n) [N]
     integer, intent(in) :: closed(:)         !< multipliers that count
     real(dp), intent(inout) :: w(:, :)       !< gets the displacements there (3, multipliers) [m]
     real(dp), allocatable, intent(out) :: known(:)  !< as of known_side
@@ -324,6 +324,7 @@ contains
     !$omp end parallel
     known = [(-dot_product(self%own(:, list(i)), forces) - sum(part(i, :)), i=1, size(list))]
     where (self%blind) known(:size(self%blind)) = 0
+    if (.not. allocated(left)) return
     do i = 1, self%modes
       associate (entry => known(size(self%active) + i))
         entry = entry - self%work(problem, i, left)

@@ -134,40 +134,46 @@ contains
     real(dp), intent(out) :: du(:, :)                 !< correction of the displacements (3, n) [m]
     real(dp), intent(out) :: dtraction(:, :)          !< correction of the tractions (3, multipliers) [Pa]
     type(error_t), allocatable, intent(out) :: error  !< singular
-    real(dp), allocatable :: f(:, :), motion(:, :)
-    allocate (f, motion, mold=r_u)
-    call press(self, problem, r_u, r_c, dtraction, f, motion, error)
-    if (allocated(error)) return
-    call self%compliance%solve(problem, 1, f, du, error)
-    if (has_border(self)) call add(size(du), 1._dp, motion, du)
-    call balance(self, du)
+    call solve_sides(self, problem, 1, r_u, r_c, du, dtraction, error)
   end subroutine solve_condensed
 
-  !> Some of them, which the bodies meet together.
+  !> Some of them, a few at a time.
   subroutine solve_condensed_all(self, problem, r_u, r_c, du, dtraction, error)
     class(condensed_t), intent(inout) :: self         !< solver
     type(problem_t), intent(in) :: problem            !< problem
     real(dp), intent(in) :: r_u(:, :, :), r_c(:, :, :)           !< residuals (3, n, sides), (3, multipliers, sides)
     real(dp), intent(out) :: du(:, :, :), dtraction(:, :, :)     !< corrections
     type(error_t), allocatable, intent(out) :: error  !< singular
-    real(dp), allocatable :: f(:, :, :), motion(:, :, :)
-    integer :: first, k, sides
-    allocate (f(3, problem%n, together), motion(3, problem%n, together))
+    integer :: first, last
     do first = 1, size(r_u, 3), together
-      sides = min(together, size(r_u, 3) - first + 1)
-      do k = 1, sides
-        call press(self, problem, r_u(:, :, first + k - 1), r_c(:, :, first + k - 1), dtraction(:, :, first + k - 1), f(:, :, k), &
-          motion(:, :, k), error)
-        if (allocated(error)) return
-      end do
-      call self%compliance%solve(problem, sides, f, du(:, :, first:first + sides - 1), error)
+      last = min(first + together - 1, size(r_u, 3))
+      call solve_sides(self, problem, last - first + 1, r_u(:, :, first:last), r_c(:, :, first:last), du(:, :, first:last), &
+        dtraction(:, :, first:last), error)
       if (allocated(error)) return
-      do k = 1, sides
-        if (has_border(self)) du(:, :, first + k - 1) = du(:, :, first + k - 1) + motion(:, :, k)
-        call balance(self, du(:, :, first + k - 1))
-      end do
     end do
   end subroutine solve_condensed_all
+
+  !> Those that the bodies meet together.
+  subroutine solve_sides(self, problem, sides, r_u, r_c, du, dtraction, error)
+    class(condensed_t), intent(inout) :: self         !< solver
+    type(problem_t), intent(in) :: problem            !< problem
+    integer, intent(in) :: sides                      !< how many
+    real(dp), intent(in) :: r_u(3, problem%n, sides), r_c(3, problem%mortar%n, sides)           !< residuals
+    real(dp), intent(out) :: du(3, problem%n, sides), dtraction(3, problem%mortar%n, sides)     !< corrections
+    type(error_t), allocatable, intent(out) :: error  !< singular
+    real(dp), allocatable :: f(:, :, :), motion(:, :, :)
+    integer :: k
+    allocate (f, mold=r_u)
+    if (has_border(self)) allocate (motion, mold=r_u)
+    call press(self, problem, r_u, r_c, dtraction, f, motion, error)
+    if (allocated(error)) return
+    call self%compliance%solve(problem, sides, f, du, error)
+    if (allocated(error)) return
+    if (has_border(self)) call add(size(du), 1._dp, motion, du)
+    do k = 1, sides
+      call balance(self, du(:, :, k))
+    end do
+  end subroutine solve_sides
 
   !> Struts push, or bodies may move.
   logical function has_border(self)
@@ -180,26 +186,30 @@ contains
   subroutine press(self, problem, r_u, r_c, dtraction, f, motion, error)
     class(condensed_t), intent(inout) :: self         !< solver
     type(problem_t), intent(in) :: problem            !< problem
-    real(dp), intent(in) :: r_u(:, :)                 !< out-of-balance forces (3, n) [N]
-    real(dp), intent(in) :: r_c(:, :)                 !< residuals of the law (3, multipliers) [Pa]
-    real(dp), intent(out) :: dtraction(:, :)          !< correction of the tractions (3, multipliers) [Pa]
-    real(dp), intent(out) :: f(:, :)                  !< forces (3, n) [N]
-    real(dp), intent(inout) :: motion(:, :)           !< gets rigid motions, if there is a border (3, n) [m]
+    real(dp), intent(in) :: r_u(:, :, :)              !< out-of-balance forces (3, n, sides) [N]
+    real(dp), intent(in) :: r_c(:, :, :)              !< residuals of the law (3, multipliers, sides) [Pa]
+    real(dp), intent(out) :: dtraction(:, :, :)       !< correction of the tractions (3, multipliers, sides) [Pa]
+    real(dp), intent(out) :: f(:, :, :)               !< forces (3, n, sides) [N]
+    real(dp), allocatable, intent(inout) :: motion(:, :, :)  !< allocated where there is a border: gets rigid motions [m]
     type(error_t), allocatable, intent(out) :: error  !< singular
     type(face_system_t) :: system
-    real(dp), allocatable :: left(:, :), w(:, :)
+    real(dp), allocatable :: left(:, :, :)
+    real(dp) :: w(3, problem%mortar%n, size(r_c, 3))
     integer, allocatable :: list(:), mirrored(:)
-    logical :: bordered
-    integer :: j
-    bordered = has_border(self)
+    integer :: j, k
     left = r_c
-    if (allocated(self%sharing%representative)) left = left(:, self%sharing%representative)*self%sharing%sign
-    if (self%symmetry%mirror > 0) call hold_on_plane(self, left)
+    do k = 1, size(left, 3)
+      if (allocated(self%sharing%representative)) left(:, :, k) = left(:, self%sharing%representative, k)*self%sharing%sign
+      if (self%symmetry%mirror > 0) call hold_on_plane(self, left(:, :, k))
+    end do
     call new_face_system(self%dw, self%dt, left, max(problem%mortar%area, tiny(1._dp)), system)
     system%compliance => self%compliance
     dtraction = system%q
-    call find_known(self, problem, r_u, r_c, bordered, system, w, error)
-    if (allocated(error)) return
+    if (allocated(motion)) call add_border(self, problem, size(left, 3), system)
+    do k = 1, size(left, 3)
+      call find_known(self, problem, k, r_u(:, :, k), r_c(:, :, k), system, w(:, :, k), error)
+      if (allocated(error)) return
+    end do
     list = pack([(j, j=1, problem%mortar%n)], system%rank > 0)
     if (self%symmetry%half_turn) list = pack(list, self%sector(list) < self%sectors/2)
     mirrored = list
@@ -207,47 +217,50 @@ contains
     call solve_face(self, system, list, mirrored, w, dtraction, error)
     if (allocated(error)) return
     call set(size(r_u), -1._dp, r_u, f)
-    call add_nodal_forces(problem%mortar, dtraction, f)
-    if (bordered) call self%border%add_solution(problem, system%x, f, motion)
-    call balance(self, f)
+    do k = 1, size(left, 3)
+      call add_nodal_forces(problem%mortar, dtraction(:, :, k), f(:, :, k))
+      if (allocated(motion)) call self%border%add_solution(problem, system%x(:, k), f(:, :, k), motion(:, :, k))
+      call balance(self, f(:, :, k))
+    end do
   end subroutine press
 
-  !> Relative displacements without the tractions that are sought, and the border. Where the bodies are in balance but for struts,
-  !> as they are after a step of Newton's method, they need not be solved for it.
-  subroutine find_known(self, problem, r_u, r_c, bordered, system, w, error)
+  !> Relative displacements without the tractions that are sought, and the right-hand sides of the border. Where the bodies are in
+  !> balance but for struts, as they are after a step of Newton's method, they need not be solved for it.
+  subroutine find_known(self, problem, side, r_u, r_c, system, w, error)
     class(condensed_t), intent(inout) :: self         !< solver
     type(problem_t), intent(in) :: problem            !< problem
+    integer, intent(in) :: side                       !< number of the right-hand side
     real(dp), intent(in) :: r_u(:, :)                 !< out-of-balance forces (3, n) [N]
     real(dp), intent(in) :: r_c(:, :)                 !< residuals of the law (3, multipliers) [Pa]
-    logical, intent(in) :: bordered                   !< the border counts
-    type(face_system_t), intent(inout) :: system      !< gets the border
-    real(dp), allocatable, intent(out) :: w(:, :)     !< (3, multipliers) [m]
+    type(face_system_t), intent(inout) :: system      !< gets what is known of the border
+    real(dp), intent(out) :: w(:, :)                  !< (3, multipliers) [m]
     type(error_t), allocatable, intent(out) :: error  !< memory
     real(dp), allocatable :: f(:, :), v(:, :), known(:), pressed(:, :), forces(:), pushed(:, :)
     real(dp) :: scale, held, left
-    logical :: easy
+    logical :: bordered, easy, loaded
     integer :: j
-    allocate (w, mold=r_c)
-    allocate (f, mold=r_u)
-    allocate (v, mold=r_u)
-    scale = weighted_length(problem%mortar%area, r_c)
-    call set(size(r_u), -1._dp, r_u, f)
-    call balance(self, f)
+    bordered = system%more > 0
+    loaded = length(size(r_u), r_u) > 0
     easy = .true.
-    if (bordered) easy = self%border%struts > 0 .and. problem%n >= many_nodes
-    if (bordered .and. easy .and. .not. length(size(f), f) > 0) then
+    if (bordered) then
+      easy = self%border%struts > 0 .and. problem%n >= many_nodes
       allocate (forces(self%border%struts), source=0._dp)
-      call set(size(f), 1._dp, f, v)
-    else if (bordered .and. easy) then
-      allocate (forces(self%border%struts))
-      call self%border%split(problem, f, forces, v)
-      pushed = f
-      call add(size(f), -1._dp, v, pushed)
-      scale = max(scale, length(size(f), pushed))
-    else if (easy) then
-      call set(size(f), 1._dp, f, v)
     end if
-    if (easy) then
+    if (loaded .or. .not. easy) then
+      allocate (f, v, mold=r_u)
+      call set(size(r_u), -1._dp, r_u, f)
+      call balance(self, f)
+    end if
+    if (loaded .and. easy) then
+      scale = weighted_length(problem%mortar%area, r_c)
+      if (bordered) then
+        call self%border%split(problem, f, forces, v)
+        pushed = f
+        call add(size(f), -1._dp, v, pushed)
+        scale = max(scale, length(size(f), pushed))
+      else
+        call set(size(f), 1._dp, f, v)
+      end if
       call part_lengths(v, problem%fixed, held, left)
       easy = left <= balanced*scale
     end if
@@ -255,13 +268,13 @@ contains
       allocate (pressed, mold=r_c)
       !$omp parallel do schedule(static) if(size(pressed) > many/4)
       do j = 1, problem%mortar%n
-        pressed(:, j) = problem%mortar%area(j)*system%q(:, j)
+        pressed(:, j) = problem%mortar%area(j)*system%q(:, j, side)
       end do
       !$omp end parallel do
       call self%compliance%apply(.false., pressed, w)
       if (bordered) call self%border%respond(problem, forces, pressed, v, pack([(j, j=1, size(w, 2))], system%rank > 0), w, known)
     else
-      call add_nodal_forces(problem%mortar, system%q, f)
+      call add_nodal_forces(problem%mortar, system%q(:, :, side), f)
       call balance(self, f)
       call self%compliance%solve(problem, 1, f, v, error)
       call balance(self, v)
@@ -269,21 +282,23 @@ contains
       w = relative_displacement(problem%mortar, v)
       if (bordered) known = self%border%known(problem, f, v)
     end if
-    if (bordered) call add_border(self, problem, known, system)
+    if (.not. bordered) return
+    system%known(:, side) = known
+    if (allocated(problem%wheel) .and. .not. problem%wheel_turns) system%known(system%more, side) = 0
   end subroutine find_known
 
   !> Enter the border into a face system.
-  subroutine add_border(self, problem, known, system)
+  subroutine add_border(self, problem, sides, system)
     class(condensed_t), intent(in) :: self            !< solver with a border
     type(problem_t), intent(in) :: problem            !< problem
-    real(dp), intent(in) :: known(:)                  !< right-hand sides [m]
-    type(face_system_t), intent(inout) :: system      !< gets more, side, corner, known
+    integer, intent(in) :: sides                      !< how many
+    type(face_system_t), intent(inout) :: system      !< gets more, side, corner, and room
     system%column = self%border%columns()
     system%more = size(system%column)
     system%struts = size(self%border%active)
     system%blind = self%border%blind
     system%corner = self%border%matrix(problem)
-    system%known = known
+    allocate (system%known(system%more, sides), system%x(system%more, sides))
     if (self%symmetry%half_turn) system%fold = 2
     if (problem%wheel_turns .or. .not. allocated(problem%wheel)) return
     associate (last => system%more)  ! the turn of the wheel, which is held
@@ -291,7 +306,6 @@ contains
       system%corner(last, :) = 0
       system%corner(:, last) = 0
       system%corner(last, last) = self%border%scale
-      system%known(last) = 0
     end associate
   end subroutine add_border
 
@@ -337,12 +351,12 @@ contains
     type(face_system_t), intent(inout) :: system      !< face system
     integer, intent(in) :: list(:)                    !< closed points, one of each pair that half a turn joins
     integer, intent(in) :: mirrored(:)                !< their images behind the mirror plane
-    real(dp), intent(in) :: w(:, :)                   !< relative displacements without these tractions [m]
-    real(dp), intent(inout) :: dtraction(:, :)        !< gets the closed points [Pa]
+    real(dp), intent(in) :: w(:, :, :)                !< relative displacements without these tractions (3, multipliers, sides) [m]
+    real(dp), intent(inout) :: dtraction(:, :, :)     !< gets the closed points [Pa]
     type(error_t), allocatable, intent(out) :: error  !< singular
     real(dp) :: n, residual
     integer, allocatable :: part(:)
-    integer :: steps
+    integer :: k, steps
     logical :: krylov
     part = pack(list, list <= mirrored)
     n = sum(system%rank(part))
@@ -351,7 +365,7 @@ contains
     if (krylov) then
       call system%solve_krylov(list, w, self%border, self%accuracy, most_steps, dtraction, steps, residual, error)
       if (allocated(error)) return
-      self%steps = steps
+      self%steps = steps/size(w, 3)
       self%flops = steps*2*self%compliance%apply_flops
       self%inner = self%inner + steps
       call detail('          GMRES '//to_text(steps)//' steps to '//to_text(residual)//' of '//to_text(self%accuracy))
@@ -363,11 +377,13 @@ contains
         self%pivot, error)
       if (allocated(error)) return
     end if
-    if (self%symmetry%mirror > 0) call spread_mirror(pack(list, list <= mirrored), pack(mirrored, list <= mirrored), dtraction)
-    if (self%symmetry%half_turn) then
+    do k = 1, size(w, 3)
+      if (self%symmetry%mirror > 0) call spread_mirror(pack(list, list <= mirrored), pack(mirrored, list <= mirrored), &
+        dtraction(:, :, k))
+      if (.not. self%symmetry%half_turn) cycle
       part = images(self, list, 0)
-      dtraction(:, part) = dtraction(:, list)
-    end if
+      dtraction(:, part, k) = dtraction(:, list, k)
+    end do
   end subroutine solve_face
 
   !> Copy tractions behind the mirror plane.

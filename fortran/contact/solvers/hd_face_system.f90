@@ -33,8 +33,8 @@ module hd_face_system
     real(dp), allocatable :: p(:, :, :)          !< tractions per unknown (3, 3, multipliers); rank columns count
     real(dp), allocatable :: d(:, :, :)          !< T P / area (3, 3, multipliers) [m/N]
     real(dp), allocatable :: t(:, :, :)          !< rows T
-    real(dp), allocatable :: q(:, :)             !< tractions that are known (3, multipliers) [Pa]
-    real(dp), allocatable :: s(:, :)             !< right-hand sides (3, multipliers)
+    real(dp), allocatable :: q(:, :, :)          !< tractions that are known (3, multipliers, sides) [Pa]
+    real(dp), allocatable :: s(:, :, :)          !< right-hand sides (3, multipliers, sides)
     real(dp), allocatable :: area(:)             !< areas [m^2]
     real(dp), allocatable :: f(:, :), w(:, :)    !< workspace (3, multipliers)
     real(dp), allocatable :: share(:)            !< of the compliance in the preconditioner of each unknown
@@ -52,11 +52,11 @@ module hd_face_system
     real(dp) :: fold = 1                         !< points that each of the list stands for in sums over the face
     integer, allocatable :: column(:)            !< columns of the border's `side` that are S, 0: one of zeros (more)
     real(dp), allocatable :: corner(:, :)        !< D (more, more) [m/N]
-    real(dp), allocatable :: known(:)            !< e (more) [m]
-    real(dp), allocatable :: x(:)                !< the solution's x (more) [N]
+    real(dp), allocatable :: known(:, :)         !< e (more, sides) [m]
+    real(dp), allocatable :: x(:, :)             !< the solutions' x (more, sides) [N]
     real(dp), allocatable :: right(:, :), below(:, :)   !< R S and S^T P (unknowns, more)
     real(dp), allocatable :: strut_right(:, :)   !< R S of struts that are eliminated (struts, unknowns)
-    real(dp), allocatable :: strut_forces(:, :)  !< their forces for each unknown, and last for none (struts, unknowns + rest + 1)
+    real(dp), allocatable :: strut_forces(:, :)  !< their forces for each unknown, and for none (struts, unknowns + rest + sides)
     logical :: single = .false.                  !< GMRES gets along with F in single precision
     real(dp), allocatable :: whole(:, :)         !< D with the struts that are eliminated (more, more) [m/N]
     real(dp), allocatable :: answer(:, :)        !< preconditioned R S (unknowns, more)
@@ -71,26 +71,27 @@ module hd_face_system
 
 contains
 
-  !> Local forms of R_w w + R_t t = -r_c.
+  !> Local forms of R_w w + R_t t = -r_c, for some r_c.
   subroutine new_face_system(dw, dt, r_c, area, system)
     real(dp), intent(in) :: dw(:, :, :)              !< R_w (3, 3, multipliers) [Pa/m]
     real(dp), intent(in) :: dt(:, :, :)              !< R_t (3, 3, multipliers)
-    real(dp), intent(in) :: r_c(:, :)                !< residuals of the law (3, multipliers) [Pa]
+    real(dp), intent(in) :: r_c(:, :, :)             !< residuals of the law (3, multipliers, sides) [Pa]
     real(dp), intent(in) :: area(:)                  !< (multipliers) [m^2]
     type(face_system_t), intent(out) :: system       !< without list
     integer :: j, k, m
     m = size(area)
-    allocate (system%r(3, 3, m), system%p(3, 3, m), system%d(3, 3, m), system%t(3, 3, m), system%q(3, m), system%s(3, m))
+    allocate (system%r(3, 3, m), system%p(3, 3, m), system%d(3, 3, m), system%t(3, 3, m))
+    allocate (system%q, system%s, mold=r_c)
     allocate (system%rank(m), system%f(3, m), system%w(3, m))
     system%area = area
     !$omp parallel do schedule(static) private(k) if(m > few)
     do j = 1, m
       system%r(:, :, j) = dw(:, :, j)
       system%t(:, :, j) = dt(:, :, j)
-      system%s(:, j) = -r_c(:, j)
-      call reduce_rows(system%r(:, :, j), system%t(:, :, j), system%s(:, j), system%rank(j))
+      system%s(:, j, :) = -r_c(:, j, :)
+      call reduce_rows(system%r(:, :, j), system%t(:, :, j), system%s(:, j, :), system%rank(j))
       k = system%rank(j)
-      call split_tractions(system%r(:, :, j), system%t(:, :, j), system%s(:, j), k, system%p(:, :, j), system%q(:, j))
+      call split_tractions(system%r(:, :, j), system%t(:, :, j), system%s(:, j, :), k, system%p(:, :, j), system%q(:, j, :))
       system%d(:, :, j) = matmul(system%t(:, :, j), system%p(:, :, j))/area(j)
     end do
     !$omp end parallel do
@@ -98,9 +99,9 @@ contains
 
   !> Orthonormal rows by Gram-Schmidt with pivots; rows without displacement come last. The same is done to T and s.
   pure subroutine reduce_rows(r, t, s, rank)
-    real(dp), intent(inout) :: r(3, 3), t(3, 3), s(3)  !< rows of the law
+    real(dp), intent(inout) :: r(3, 3), t(3, 3), s(:, :)  !< rows of the law
     integer, intent(out) :: rank                       !< rows that see displacements
-    real(dp) :: size, length, factor, row(3)
+    real(dp) :: size, length, factor, row(3), sides(ubound(s, 2))
     integer :: i, k
     size = maxval(abs(r))
     rank = 0
@@ -111,12 +112,12 @@ contains
       if (length <= unseen*size) exit
       row = r(i, :); r(i, :) = r(k, :); r(k, :) = row/length
       row = t(i, :); t(i, :) = t(k, :); t(k, :) = row/length
-      factor = s(i); s(i) = s(k); s(k) = factor/length
+      sides = s(i, :); s(i, :) = s(k, :); s(k, :) = sides/length
       do i = k + 1, 3
         factor = dot_product(r(i, :), r(k, :))
         r(i, :) = r(i, :) - factor*r(k, :)
         t(i, :) = t(i, :) - factor*t(k, :)
-        s(i) = s(i) - factor*s(k)
+        s(i, :) = s(i, :) - factor*s(k, :)
       end do
       rank = k
     end do
@@ -124,10 +125,11 @@ contains
 
   !> t = P y + q obeys rows rank + 1..3 of T t = s, and R P = 1.
   pure subroutine split_tractions(r, t, s, rank, p, q)
-    real(dp), intent(in) :: r(3, 3), t(3, 3), s(3)  !< reduced rows
+    real(dp), intent(in) :: r(3, 3), t(3, 3), s(:, :)  !< reduced rows
     integer, intent(in) :: rank                     !< rows that see displacements
-    real(dp), intent(out) :: p(3, 3), q(3)          !< tractions per unknown (rank columns), known ones
+    real(dp), intent(out) :: p(3, 3), q(:, :)       !< tractions per unknown (rank columns), known ones
     real(dp) :: a(3, 3), inverse(3, 3)
+    integer :: k
     a = r
     a(rank + 1:, :) = t(rank + 1:, :)
     inverse(:, 1) = cross(a(2, :), a(3, :))
@@ -136,29 +138,35 @@ contains
     inverse = inverse/dot_product(a(1, :), inverse(:, 1))
     p = 0
     p(:, :rank) = inverse(:, :rank)
-    q = matmul(inverse(:, rank + 1:), s(rank + 1:))
+    do k = 1, size(q, 2)
+      q(:, k) = matmul(inverse(:, rank + 1:), s(rank + 1:, k))
+    end do
   end subroutine split_tractions
 
-  !> Right-hand side for relative displacements w that are known.
-  function right_side(self, w) result(b)
+  !> Right-hand sides for relative displacements w that are known.
+  function right_sides(self, w) result(b)
     class(face_system_t), intent(in) :: self  !< system
-    real(dp), intent(in) :: w(:, :)           !< (3, multipliers) [m]
-    real(dp) :: b(self%start(size(self%start)) + self%more)
-    integer :: i, j, k
-    if (self%more > 0) b(self%start(size(self%start)) + 1:) = self%known
-    !$omp parallel do schedule(static) private(j, k) if(size(self%list) > few)
+    real(dp), intent(in) :: w(:, :, :)        !< (3, multipliers, sides) [m]
+    real(dp) :: b(self%start(size(self%start)) + self%more, size(w, 3))
+    integer :: i, j, k, side
+    if (self%more > 0) b(self%start(size(self%start)) + 1:, :) = self%known
+    !$omp parallel do schedule(static) private(j, k, side) if(size(self%list) > few)
     do i = 1, size(self%list)
       j = self%list(i)
-      do k = 1, self%rank(j)
-        b(self%start(i) + k) = self%s(k, j) - dot_product(self%r(k, :, j), w(:, j)) - dot_product(self%t(k, :, j), self%q(:, j))
+      do side = 1, size(w, 3)
+        do k = 1, self%rank(j)
+          b(self%start(i) + k, side) = self%s(k, j, side) - dot_product(self%r(k, :, j), w(:, j, side)) - &
+            dot_product(self%t(k, :, j), self%q(:, j, side))
+        end do
       end do
     end do
     !$omp end parallel do
-  end function right_side
+  end function right_sides
 
-  !> Tractions of the solution at the multipliers of the list.
-  subroutine enter(self, y, traction)
+  !> Tractions of a solution at the multipliers of the list.
+  subroutine enter(self, side, y, traction)
     class(face_system_t), intent(inout) :: self     !< system; gets x
+    integer, intent(in) :: side                     !< number of the right-hand side
     real(dp), intent(in) :: y(:)                    !< unknowns [N]
     real(dp), intent(inout) :: traction(:, :)       !< gets them (3, multipliers) [Pa]
     integer :: i, j, k
@@ -166,10 +174,10 @@ contains
     do i = 1, size(self%list)
       j = self%list(i)
       k = self%rank(j)
-      traction(:, j) = self%q(:, j) + matmul(self%p(:, :k, j), y(self%start(i) + 1:self%start(i) + k))/self%area(j)
+      traction(:, j) = self%q(:, j, side) + matmul(self%p(:, :k, j), y(self%start(i) + 1:self%start(i) + k))/self%area(j)
     end do
     !$omp end parallel do
-    self%x = y(self%start(size(self%start)) + 1:)
+    if (allocated(self%x)) self%x(size(self%x, 1) - self%more + 1:, side) = y(self%start(size(self%start)) + 1:)
   end subroutine enter
 
   !> Number the unknowns of a list.
@@ -190,24 +198,26 @@ contains
     class(face_system_t), intent(inout) :: self       !< system
     integer, intent(in) :: list(:)                    !< multipliers to solve for
     integer, intent(in) :: mirrored(:)                !< image of each, itself where there is none
-    real(dp), intent(in) :: w(:, :)                   !< relative displacements without y (3, multipliers) [m]
+    real(dp), intent(in) :: w(:, :, :)                !< relative displacements without y (3, multipliers, sides) [m]
     type(border_t), allocatable, intent(in) :: border !< what stands beside, with S; unallocated: nothing
-    real(dp), intent(inout) :: traction(:, :)         !< gets the tractions of the list [Pa]
+    real(dp), intent(inout) :: traction(:, :, :)      !< gets the tractions of the list [Pa]
     real(dp), intent(out) :: flops                    !< operations
     real(dp), allocatable, intent(inout) :: factors(:, :)   !< of the same matrix; unallocated: gets them
     integer, allocatable, intent(inout) :: pivot(:)         !< their rows
     type(error_t), allocatable, intent(out) :: error  !< singular
     real(dp), allocatable :: b(:, :)
-    integer :: n
+    integer :: k, n
     call number(self, list)
     n = self%start(size(self%start))
     flops = 2*real(n, dp)**3/3
     if (.not. allocated(factors)) call form_matrix(self, mirrored, border, factors, error)
     if (allocated(error)) return
-    allocate (b(n + self%more, 1))
-    b(:, 1) = right_side(self, w)
+    b = right_sides(self, w)
     call solve_dense(factors, b, error, pivot)
-    if (.not. allocated(error)) call enter(self, b(:, 1), traction)
+    if (allocated(error)) return
+    do k = 1, size(b, 2)
+      call enter(self, k, b(:, k), traction(:, :, k))
+    end do
   end subroutine solve_direct
 
   !> Dense matrix of a list.
@@ -283,15 +293,17 @@ contains
   subroutine solve_krylov(self, list, w, border, tolerance, most, traction, steps, residual, error)
     class(face_system_t), intent(inout) :: self       !< system
     integer, intent(in) :: list(:)                    !< multipliers to solve for
-    real(dp), intent(in) :: w(:, :)                   !< relative displacements without y (3, multipliers) [m]
+    real(dp), intent(in) :: w(:, :, :)                !< relative displacements without y (3, multipliers, sides) [m]
     type(border_t), allocatable, intent(in) :: border !< what stands beside, with S; unallocated: nothing
     real(dp), intent(in) :: tolerance                 !< relative residual
-    integer, intent(in) :: most                       !< steps at most
-    real(dp), intent(inout) :: traction(:, :)         !< gets the tractions of the list [Pa]
+    integer, intent(in) :: most                       !< steps of each side at most
+    real(dp), intent(inout) :: traction(:, :, :)      !< gets the tractions of the list [Pa]
     integer, intent(out) :: steps                     !< taken
-    real(dp), intent(out) :: residual                 !< reached
+    real(dp), intent(out) :: residual                 !< reached by all
     type(error_t), allocatable, intent(out) :: error  !< memory
-    real(dp), allocatable :: b(:), y(:)
+    real(dp), allocatable :: b(:, :), y(:)
+    real(dp) :: left
+    integer :: k, taken
     call number(self, list)
     call pack_rows(self, border)
     call weigh(self)
@@ -301,15 +313,21 @@ contains
       allocate (self%fringe(0), self%from(0), self%fade(0), self%strut_forces(0, size(self%at)), self%strut_right(0, size(self%at)))
     end if
     self%single = tolerance >= single_above
-    b = right_side(self, w)
+    b = right_sides(self, w)
     if (self%struts > 0) call eliminate_struts(self, b, error)
     if (self%more > 0 .and. .not. allocated(error)) call eliminate_border(self, error)
     if (allocated(error)) return
-    allocate (y(size(b)))
-    call solve_gmres(self, b, tolerance, most, y, steps, residual, error)  ! a preconditioner that rounds
-    if (allocated(error)) return
-    call enter(self, y, traction)
-    if (self%struts > 0) self%x = [matmul(self%strut_forces, [-y, 1._dp]), self%x]
+    steps = 0
+    residual = 0
+    allocate (y(size(b, 1)))
+    do k = 1, size(b, 2)
+      call solve_gmres(self, b(:, k), tolerance, most, y, taken, left, error)  ! a preconditioner that rounds
+      if (allocated(error)) return
+      steps = steps + taken
+      residual = max(residual, left)
+      call enter(self, k, y, traction(:, :, k))
+      if (self%struts > 0) self%x(:self%struts, k) = self%strut_forces(:, size(y) + k) - matmul(self%strut_forces(:, :size(y)), y)
+    end do
   end subroutine solve_krylov
 
   !> As before GMRES.
@@ -332,26 +350,32 @@ contains
   !> Leave the rest of the border, and bodies that stand on their struts.
   subroutine eliminate_struts(self, b, error)
     class(face_system_t), intent(inout) :: self       !< packed; gets strut_right, strut_forces
-    real(dp), allocatable, intent(inout) :: b(:)      !< right-hand side, loses the struts
+    real(dp), allocatable, intent(inout) :: b(:, :)   !< right-hand sides, lose the struts
     type(error_t), allocatable, intent(out) :: error  !< singular
     real(dp), allocatable :: own(:, :), cross(:, :)
-    integer :: m, n
+    real(dp) :: left(size(b, 1) - self%struts, size(b, 2))
+    integer :: k, m, n, rest
     n = size(self%at)
     m = self%struts
+    rest = size(left, 1)
     own = self%corner(:m, :m)
     self%whole = self%corner
     cross = self%corner(m + 1:, :m)
-    allocate (self%strut_forces(m, size(b) - m + 1))
+    allocate (self%strut_forces(m, rest + size(b, 2)))
     self%strut_forces(:, :n) = transpose(self%below(:, :m))
-    self%strut_forces(:, n + 1:size(b) - m) = self%corner(:m, m + 1:)
-    self%strut_forces(:, size(b) - m + 1) = b(n + 1:n + m)
+    self%strut_forces(:, n + 1:rest) = self%corner(:m, m + 1:)
+    self%strut_forces(:, rest + 1:) = b(n + 1:n + m, :)
     call solve_dense(own, self%strut_forces, error)
     if (allocated(error)) return
-    associate (forces => self%strut_forces, last => size(b) - m + 1)
+    associate (forces => self%strut_forces)
       self%strut_right = transpose(self%right(:, :m))
-      b = [b(:n) - matmul(forces(:, last), self%strut_right), b(n + m + 1:) - matmul(cross, forces(:, last))]
-      self%corner = self%corner(m + 1:, m + 1:) - matmul(cross, forces(:, n + 1:last - 1))
-      self%right = self%right(:, m + 1:) - matmul(self%right(:, :m), forces(:, n + 1:last - 1))
+      do k = 1, size(b, 2)
+        left(:n, k) = b(:n, k) - matmul(forces(:, rest + k), self%strut_right)
+        left(n + 1:, k) = b(n + m + 1:, k) - matmul(cross, forces(:, rest + k))
+      end do
+      b = left
+      self%corner = self%corner(m + 1:, m + 1:) - matmul(cross, forces(:, n + 1:rest))
+      self%right = self%right(:, m + 1:) - matmul(self%right(:, :m), forces(:, n + 1:rest))
       self%below = self%below(:, m + 1:) - transpose(matmul(cross, forces(:, :n)))
     end associate
     self%more = self%more - m

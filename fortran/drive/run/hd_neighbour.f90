@@ -10,11 +10,11 @@ module hd_neighbour
   use hd_idle_keys, only: is_idle
   use hd_joint, only: joint_t
   use hd_load_path, only: place_t, assembly_at, torque_at, under_torque
-  use hd_mortar, only: add_nodal_forces, relative_displacement
+  use hd_mortar, only: mortar_t, add_nodal_forces, relative_displacement
   use hd_newton, only: linear_equations, prescribe
   use hd_parameter_row, only: parameter_t, parameter_table_t, stage_model, stage_load
   use hd_parameters, only: new_table, value_count
-  use hd_problem, only: problem_t, state_t, load_t, elastic_forces, forces_at, linear_forces, strut_closings
+  use hd_problem, only: problem_t, state_t, load_t, body_forces, elastic_forces, forces_at, linear_forces, strut_closings
   use hd_scene, only: scene_t
   use hd_scene_joint, only: scene_joint, tabulate_joint
   use hd_strut, only: push
@@ -43,6 +43,8 @@ module hd_neighbour
     logical :: whole = .false.                       !< bodies, supports, nodal loads or places of struts are others: else
     logical :: struts = .false., law = .false.       !< it has struts and contact law only, which may be others
     logical :: bodies = .false., moves = .false.     !< of those the bodies, or displacements that are given
+    integer, allocatable :: stiff(:)                 !< bodies of another stiffness, where faces and all displacements given are
+                                                     !< the run's; else unallocated
     integer, allocatable :: loaded(:)                !< nodes with springs or nodal loads, of a whole one
     logical :: rough = .false.                       !< the joint or its friction may be another
     type(scene_t) :: scene
@@ -216,6 +218,9 @@ contains
       felt(1, mortar%node(mortar%n - mortar%rigid + 1:)) = .true.
     end associate
     other%moves = any(felt .and. abs(other%drive%assembly - drive%assembly) > 0)
+    if (other%bodies .and. .not. other%moves .and. allocated(drive%problem%sector)) then
+      if (same_faces(other%drive%problem%mortar, drive%problem%mortar)) other%stiff = stiff_bodies(other%drive, drive)
+    end if
     other%bodies = other%bodies .or. other%moves
     other%whole = other%bodies .or. &
       abs(other%scene%torque - scene%torque) > 0 .or. any(abs(other%scene%torques - scene%torques) > 0) .or. &
@@ -266,15 +271,31 @@ contains
   !> Two drives of one mesh have the same bodies, springs and nodal loads: they may differ in struts, cam and law.
   pure logical function same_bodies(a, b) result(same)
     type(drive_t), intent(in) :: a, b  !< drives
+    same = size(stiff_bodies(a, b)) == 0 .and. .not. any(abs(a%torque - b%torque) > 0 .or. abs(a%squeeze - b%squeeze) > 0 .or. &
+      abs(a%gauge - b%gauge) > 0)
+  end function same_bodies
+
+  !> Bodies whose stiffness, springs included, is not the same in two drives of one mesh.
+  pure function stiff_bodies(a, b) result(list)
+    type(drive_t), intent(in) :: a, b  !< drives
+    integer, allocatable :: list(:)
     integer :: i
-    same = .not. any(abs(a%problem%spring - b%problem%spring) > 0 .or. abs(a%torque - b%torque) > 0 .or. &
-      abs(a%squeeze - b%squeeze) > 0 .or. abs(a%gauge - b%gauge) > 0)
+    allocate (list(0))
     do i = 1, size(a%problem%bodies)
-      associate (p => a%problem%bodies(i), q => b%problem%bodies(i))
-        same = same .and. .not. (any(abs(p%x - q%x) > 0) .or. abs(p%young - q%young) > 0 .or. abs(p%poisson - q%poisson) > 0)
+      associate (p => a%problem%bodies(i), q => b%problem%bodies(i), low => a%problem%first(i) + 1, &
+        high => a%problem%first(i) + a%problem%bodies(i)%nodes())
+        if (any(abs(p%x - q%x) > 0) .or. abs(p%young - q%young) > 0 .or. abs(p%poisson - q%poisson) > 0 .or. &
+          any(abs(a%problem%spring(:, low:high) - b%problem%spring(:, low:high)) > 0)) list = [list, i]
       end associate
     end do
-  end function same_bodies
+  end function stiff_bodies
+
+  !> Two drives of one mesh have the same faces.
+  pure logical function same_faces(a, b) result(same)
+    type(mortar_t), intent(in) :: a, b  !< of the drives
+    same = size(a%val) == size(b%val)
+    if (same) same = .not. (any(abs(a%val - b%val) > 0) .or. any(abs(a%area - b%area) > 0))
+  end function same_faces
 
   !> Change of a key of a size.
   pure real(dp) function change_of(p, size) result(change)
@@ -292,13 +313,13 @@ contains
 
   !> Residuals of a drive in a state of the run: all of its forces, and the change of the law's by its displacements. The way of a
   !> step is taken as linear: a change may be larger than the slip in it. Struts meet no displacements that are given.
-  subroutine change_residuals(c, drive, place, load, before, state, bare, dw, r_u, r_c)
+  subroutine change_residuals(c, drive, place, load, before, state, bare, bent, dw, r_u, r_c)
     type(neighbour_t), intent(inout) :: c           !< its drive gets whether the wheel turns
     type(drive_t), intent(in) :: drive              !< of the run
     type(place_t), intent(in) :: place              !< here
     type(load_t), intent(in) :: load                !< of the run
     type(state_t), intent(in) :: before, state      !< of the run: at the beginning of the step, and here
-    real(dp), intent(in) :: bare(:, :)              !< forces of the run's bodies and contact (3, n) [N]
+    real(dp), intent(in) :: bare(:, :), bent(:, :)  !< forces of the run's bodies with contact, and without (3, n) [N]
     real(dp), intent(in) :: dw(:, :, :)             !< derivatives of its law (3, 3, points) [Pa/m]
     real(dp), intent(out) :: r_u(:, :), r_c(:, :)   !< residuals (3, n) [N], change (3, points) [Pa]
     real(dp), allocatable :: force(:), u(:, :)
@@ -309,7 +330,17 @@ contains
       problem%wheel_turns = drive%problem%wheel_turns
       part = assembly_at(c%scene, place)
       torque = torque_at(c%scene, place)
-      if (c%bodies) then
+      if (allocated(c%stiff)) then
+        r_u = bare
+        do j = 1, size(c%stiff)
+          associate (low => problem%first(c%stiff(j)) + 1, high => problem%first(c%stiff(j)) + &
+            problem%bodies(c%stiff(j))%nodes())
+            call body_forces(problem, c%stiff(j), state%u, r_u)
+            r_u(:, low:high) = r_u(:, low:high) + (bare(:, low:high) - bent(:, low:high))
+          end associate
+        end do
+        r_c = 0
+      else if (c%bodies) then
         if (c%moves) then
           u = state%u
           other%displacement = part*c%drive%assembly

@@ -28,6 +28,7 @@ module hd_neighbour
   !> terms, whose rounding must stay small beside the change (2e-6 of a result over its key; by 1e-7 4e-5).
   real(dp), parameter :: share = 1e-7_dp, share_of_shape = 5e-7_dp, share_of_material = 3e-6_dp
   real(dp), parameter :: share_of_state = 1e-7_dp  !< by which a traction or a stress is changed
+  real(dp), parameter :: rounding = 1e-12_dp       !< of weights and areas of a coupling, relative
   !> In the place of a value that is 0.
   real(dp), parameter :: typical_m = 1e-3_dp, typical_deg = 60, typical_other = 1
 
@@ -294,7 +295,8 @@ contains
   pure logical function same_faces(a, b) result(same)
     type(mortar_t), intent(in) :: a, b  !< of the drives
     same = size(a%val) == size(b%val)
-    if (same) same = .not. (any(abs(a%val - b%val) > 0) .or. any(abs(a%area - b%area) > 0))
+    if (same) same = .not. (any(abs(a%val - b%val) > rounding*maxval(abs(b%val))) .or. &
+      any(abs(a%area - b%area) > rounding*maxval(b%area)))
   end function same_faces
 
   !> Change of a key of a size.

@@ -237,7 +237,7 @@ READ = ("K1 / K2 / K3 over the catalogue's", "K2/K1, K3/K1 over", "hysteresis, l
 
 
 def drive_causes():
-    """What fit, play, friction and gluing change, on a coarser mesh."""
+    """What fit, play, gluing and what holds the ring along the axis change."""
     return ("size", "case", *READ), [
         (r["drive"], r["case"], *cause(r["drive"], r)) for r in drive_rows("causes")]
 

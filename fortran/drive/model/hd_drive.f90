@@ -177,9 +177,8 @@ contains
   subroutine hold(scene, drive)
     type(scene_t), intent(in) :: scene     !< scene
     type(drive_t), intent(inout) :: drive  !< gets its fixed dofs and springs
-    integer, allocatable :: hub(:), inner(:)
+    integer, allocatable :: hub(:), inner(:), middle(:)
     real(dp) :: edge(2)
-    integer :: middle
     associate (problem => drive%problem)
       inner = nodes_on(drive, drive%b_ring, drive%ring%inner)
       problem%fixed(1, inner) = .not. scene%ring_lifts() .and. .not. scene%ball_stiffness > 0
@@ -198,8 +197,14 @@ contains
       if (scene%support%struts .and. allocated(problem%loose) .and. scene%frictionless()) then  ! nothing else resists its turn
         call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
       end if
-      middle = (size(drive%ring%inner, 2) + 1)/2
-      problem%fixed(3, nodes_on(drive, drive%b_ring, drive%ring%inner(:, middle:middle))) = .true.
+      associate (row => (size(drive%ring%inner, 2) + 1)/2)
+        middle = nodes_on(drive, drive%b_ring, drive%ring%inner(:, row:row))
+      end associate
+      if (scene%support%struts .and. scene%balls > 0 .and. scene%ball_axial > 0) then
+        call add_springs(problem, middle, 3, scene%ball_axial/size(middle))
+      else
+        problem%fixed(3, middle) = .true.
+      end if
       allocate (drive%sprung(0))
       drive%hub_radius = scene%hub_radius
       edge = [drive%cup%inner(2, size(drive%cup%inner, 2)), drive%cup%outer(2, size(drive%cup%inner, 2))]

@@ -493,7 +493,7 @@ contains
       part(:, k) = 0
       do i = block*(k - 1) + 1, min(size(r, 2), block*k)
         associate (fixed => drive%problem%fixed(:, i))
-          if (fixed(3)) part(1, k) = part(1, k) + r(3, i)
+          part(1, k) = part(1, k) + merge(r(3, i), -drive%problem%spring(3, i)*state%u(3, i), fixed(3))
           if (i >= first .and. i <= last .and. .not. fixed(1)) part(2, k) = part(2, k) + (contact(1, i) + r(1, i))
         end associate
       end do

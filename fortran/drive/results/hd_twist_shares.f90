@@ -44,7 +44,7 @@ contains
       end do
       closing = [(closing_of(problem%struts(j), bonded%du), j=1, size(problem%struts))]
       push = linear_forces(problem, closing)
-      shares(3) = sum(problem%spring(1, drive%inner)*bonded%du(1, drive%inner)**2)  ! an even spring stands for them
+      shares(3) = sum(problem%spring([1, 3], drive%inner)*bonded%du([1, 3], drive%inner)**2)  ! what stands for them, or beside
       shares(2) = shares(2) - shares(3)
       shares(3) = shares(3) + dot_product(push(:n), closing(:n))
       shares(5) = 0

@@ -19,6 +19,7 @@ from . import _engine
 from ._check import array, checked, flag
 from ._check import path as a_path
 from ._types import PathLike, Value
+from .files import writing
 from .results import Result, preformatted
 from .views.labels import LOOP
 
@@ -102,11 +103,9 @@ class Run:
         self._process = os.getpid()
         lines = "\n".join(_assignments(keys))
         if out:
-            try:
+            with writing(out):
                 out = Path(out).absolute()   # the working folder may change between two steps
                 out.parent.mkdir(parents=True, exist_ok=True)
-            except OSError as e:
-                raise _engine.FileError(f"'{out}' cannot be made: {e.strerror or e}") from None
         self._handle = _engine.call("run_open", str(path), lines or " ", str(out) or " ", int(force), int(resume),
                                      int(allow_implausible))
         self._teeth = _engine.supported(read_scene(path, **keys), "against_teeth")

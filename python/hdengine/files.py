@@ -49,7 +49,7 @@ def check_folder(folder: PathLike, names: Sequence[str], force: bool = False) ->
         if (folder / name).exists() and not force:
             raise FileError(f"'{folder}' holds {name} already: add --force to replace it, or choose another folder with --out")
         _check_place(folder / name)
-    with _told(folder):
+    with writing(folder):
         _takes_files(next(p for p in (folder.absolute() / "x").parents if os.path.lexists(p)))
 
 
@@ -66,7 +66,7 @@ def check_file(path: PathLike | None, force: bool = False) -> None:
     if Path(path).is_file() and not force:
         raise FileError(f"'{path}' is there already: add --force to replace it, or choose another with --out")
     _check_place(Path(path))
-    with _told(path):
+    with writing(path):
         _takes_files(Path(path).absolute().parent)
 
 
@@ -74,7 +74,7 @@ def _check_place(path):
     """Refuse the name of a folder, a link, a pipe or a device."""
     if not path.name:
         raise FileError(f"'{path}' is a folder, not the name of a file")
-    with _told(path):
+    with writing(path):
         if path.is_symlink() or (path.exists() and not path.is_file()):
             raise OSError(errno.EINVAL, "it is no regular file: remove it, or choose another folder")
 
@@ -115,7 +115,7 @@ def write_folder(folder: PathLike, record: str, head: dict, files: dict, force: 
     folder = Path(folder)
     check_folder(folder, [record, *files], force)
     whole = {"status": "complete", "hdengine": _engine.version(), **head, "files": list(files)}
-    with _told(folder):
+    with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
     with _parts({folder / name: content for name, content in (*files.items(), (record, json_text(whole)))}):
         if (folder / record).exists():
@@ -152,11 +152,11 @@ def _parts(files):
     parts = {path: path.with_name(path.name + ".part") for path in files}
     try:
         for path, content in files.items():
-            with _told(path):
+            with writing(path):
                 _write(parts[path], _content(path, content))
         yield
         for path, part in parts.items():
-            with _told(path):
+            with writing(path):
                 os.replace(part, path)
     except BaseException:
         for part in parts.values():
@@ -198,7 +198,7 @@ def _write(path, parts):
 
 
 @contextlib.contextmanager
-def _told(path) -> Iterator[None]:
+def writing(path) -> Iterator[None]:
     """Errors of the system as errors of the package that name the file."""
     try:
         yield

@@ -17,7 +17,7 @@ from ._engine import InputError
 from ._types import PathLike, Value
 from .contact import read_scene
 from .elastic import joint_of_scene
-from .files import check_file, json_text, write_files
+from .files import check_file, json_text, write_files, writing
 from .results import Result, facet_stiffness
 from .studies.progress import Progress
 from .studies.study import Study, StudyResult
@@ -358,7 +358,8 @@ def table_ranges(scene: dict, folder: PathLike) -> dict:
     names = table.dtype.names or ()
     if "k_n_pa_per_m_low" not in names:
         return {}
-    Path(folder).mkdir(parents=True, exist_ok=True)
+    with writing(folder):
+        Path(folder).mkdir(parents=True, exist_ok=True)
     ends = []
     for side in ("low", "high"):
         factor = table[f"k_n_pa_per_m_{side}"] / table["k_n_pa_per_m"]

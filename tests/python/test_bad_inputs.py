@@ -317,7 +317,7 @@ def test_unwritable_output(exe, tmp_path):
     out = file / "below"
     done = call(exe, file, "--out", out)
     assert done.returncode == 3
-    assert done.stderr == f"error: cannot make the folder '{out}': its parent must exist and be writable; make it, or choose another folder with --out DIR\n"
+    assert done.stderr == f"error: cannot make the folder '{out}': Not a directory; its parent must exist and be writable: make it, or choose another folder with --out DIR\n"
 
 
 def test_output_is_a_file(exe, tmp_path):

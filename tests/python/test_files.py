@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Files that are written: whole or an error, in their own folder, on every kind of stream and path."""
+import contextlib
+import ctypes
+import io
 import json
 import os
+import re
 import resource
 import shutil
 import subprocess
 import sys
+import traceback
 from pathlib import Path
 
 import numpy as np
@@ -14,28 +19,48 @@ from test_regressions import rough_map
 
 import hdengine
 from conftest import CD14, ROOT, call
-from hdengine.cli import main
+from hdengine import uncertainty
+from hdengine.cli import main, make_parser
+from hdengine.figures import style
 
 WORDS = ["mesh.divisions=16", "mesh.band_facets=3", "load.assembly_steps=1", "load.torque_steps=1"]
 SURFACE = ["surface.nx=32", "surface.ny=24", "surface.ridges=3"]
 FILL = [sys.executable, "-m", "hdengine"]
 DRIVE = ["mesh.divisions=24", "mesh.band_facets=4", "load.assembly_steps=1", "load.torque_steps=1", "bearing.balls=12",
          "load.tooth_pairs=12", "loop.torques=6", "turning.positions=1"]
+LIBC = ctypes.CDLL(None, use_errno=True)
+GO_ON = {"surface": ["--force"], **dict.fromkeys(("press fit", "drive", "planned", "run"), ["--resume"])}   # after a failure
+PICTURE_END = b"IEND\xaeB`\x82"
 STUDY = "[fixed]\nmesh = {divisions = 16, band_facets = 3}\nload.torque_steps = 1\n[grid]\nload.torque = [2, 3]\n"
 
 
-def commands(exe, folder):
-    """A command by name that writes into folder/r, with what it needs beside it."""
-    (folder / "s.toml").write_text(STUDY)
-    np.save(folder / "map.npy", rough_map())
+def commands(exe="", folder=None):
+    """A command by name that writes into r, with what it needs beside it."""
+    if folder:
+        (folder / "s.toml").write_text(STUDY)
+        np.save(folder / "map.npy", rough_map())
+    planned = ["run.tolerance=0.5", "load.torque_steps=1", "load.assembly_steps=1"]
+    study = [*FILL, "study", "s.toml", "--out", "r", "-q"]
     return {
         "press fit": [exe, CD14, *WORDS, "output.vtu=all", "--out", "r"],
         "surface": [exe, ROOT / "data/surface.nml", *SURFACE, "--out", "r"],
         "drive": [exe, ROOT / "tests/cases/pressed_drive.nml", *DRIVE, "--out", "r"],
-        "study": [*FILL, "study", "s.toml", "--out", "r", "-q"],
+        "planned": [exe, CD14, *planned, "--out", "r"],
+        "run": [*FILL, "run", CD14, *WORDS, "--out", "r"],
+        "study": study,
+        "shard": [*study, "--shard", "1/1"],
+        "collect": [*study, "--collect"],
         "record": [*FILL, "record", ROOT / "data/torque_record.csv", "--out", "r"],
         "joint": [*FILL, "joint", "map.npy", "--dx", "1e-6", "--model", "spectrum", "--out", "r"],
+        "surface map": [*FILL, "surface", "map.npy", "--dx", "1e-6", "--out", "r"],
         "teeth": [*FILL, "teeth", ROOT / "data/drive14.nml", "--profile", "involute", "--module", "0.1778e-3", "--out", "r"],
+        "new": [*FILL, "new", "20", "mesh.divisions=16", "mesh.band_facets=3", "--out", "r"],
+        "plot": [*FILL, "plot", "r"],
+        "report": [*FILL, "report", "r"],
+        "export": [*FILL, "export", "r", "--to", "inp"],
+        "sensitivity": [*FILL, "sensitivity", "r", "--draws", "1"],
+        "plan": [*FILL, "plan", CD14, "--tolerance", "0.5"],
+        "completion": [*FILL, "completion", "bash"],
     }
 
 
@@ -58,49 +83,128 @@ def claims(folder):
     return found
 
 
-@pytest.mark.parametrize("name", ["press fit", "surface", "drive", "study", "joint"])
-def test_a_full_disk_is_an_error(exe, tmp_path, name):
-    """Where a file finds no room, at its first or its last byte, the command ends with code 3 and one line that names it, and nothing is
-    complete but what has only its figures to come; with room for all it ends as ever."""
-    words = commands(exe, tmp_path)[name]
-    done = run_in(tmp_path, words)
-    assert done.returncode == 0 and claims(tmp_path / "r"), done.stderr
-    sizes = sorted({path.stat().st_size for path in (tmp_path / "r").rglob("*") if path.is_file()})
-    least = sizes[-1]
-    for i, size in enumerate([least - 1] if words[0] != exe else sorted({0, 1, 100, *(s - 1 for s in sizes), least})):
-        out = tmp_path / f"r{i}"
-        done = run_in(tmp_path, [out.name if word == "r" else word for word in words], **limited(size))
-        if done.returncode == 0:
-            assert size >= least and claims(out), (size, done)
-            continue
-        assert done.returncode == 3 and done.stderr.count("error: ") == 1 and "Traceback" not in done.stderr, (size, done.stderr)
-        assert "File too large" in done.stderr or "is the disk full" in done.stderr, (size, done.stderr)
-        assert ".png" in done.stderr or not (out.exists() and claims(out)), (size, done.stderr)
-        assert not [path for path in out.rglob("*") if path.name == "hdengine.lock" or path.suffix == ".part"]
-    if name in ("press fit", "drive"):
-        done = run_in(tmp_path, ["r3" if word == "r" else word for word in [*words, "--resume"]])
-        assert done.returncode == 0, done.stderr
-        assert (tmp_path / "r3/contact.csv").read_bytes() == (tmp_path / "r/contact.csv").read_bytes()
+def tree(folder):
+    """Bytes of all files below a folder, by path."""
+    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-@pytest.mark.parametrize("size, name", [(0, "plan.nml"), (5000, "plan.csv")])
-def test_a_full_disk_is_an_error_of_a_plan(exe, tmp_path, size, name):
-    """A plan that finds no room for its table or for the scene that it chose ends with code 3 and the name, and is not complete."""
-    done = run_in(tmp_path, [exe, CD14, "run.tolerance=0.5", "load.torque_steps=1", "load.assembly_steps=1", "--out", "r"], **limited(size))
-    assert done.returncode == 3 and done.stderr.startswith(f"error: cannot write 'r/{name}': is the disk full") and done.stderr.count("error: ") == 1
-    assert not claims(tmp_path / "r")
+def gist(files):
+    """What a command leaves each time, timers and roundings aside: names, numbers of lines, ends of pictures and grids."""
+    return {name: data.count(b"\n") if name.endswith(("v", "l", "n")) else data[-8:] for name, data in files.items() if "history" not in name}
 
 
-def test_a_full_disk_leaves_no_half_report(small_run, tmp_path):
-    """A report that finds no room for its last byte ends with code 3 and its name, and leaves no file; an earlier one stays as it was."""
-    words = [*FILL, "report", small_run, "--out", "r.html"]
-    assert run_in(tmp_path, words).returncode == 0
-    whole = (tmp_path / "r.html").read_bytes()
-    for out, left in (("s.html", None), ("r.html", whole)):
-        done = run_in(tmp_path, [*words[:-1], out], **limited(len(whole) - 1))
-        assert done.returncode == 3 and done.stderr.count("error: ") == 1 and out in done.stderr and "Traceback" not in done.stderr, done.stderr
-        assert ((tmp_path / out).read_bytes() if (tmp_path / out).exists() else None) == left
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["r.html"]
+def own_disks():
+    """Let this process alone mount disks, as `unshare -rm` does; whether it may."""
+    ids = {"setgroups": "deny", "uid_map": f"0 {os.getuid()} 1", "gid_map": f"0 {os.getgid()} 1"}
+    if LIBC.unshare(0x10020000) != 0:
+        return False
+    for name, text in ids.items():
+        Path("/proc/self", name).write_text(text)
+    return LIBC.mount(b"tmpfs", b"/mnt", b"tmpfs", 0, b"size=4k") == 0
+
+
+def fill(disk, files, mounted):
+    """A folder, or a disk of its own, with these files alone."""
+    os.chdir("/")
+    LIBC.umount2(bytes(disk), 2)
+    shutil.rmtree(disk, ignore_errors=True)
+    disk.mkdir(exist_ok=True)
+    assert not mounted or LIBC.mount(b"tmpfs", bytes(disk), b"tmpfs", 0, b"size=64m,nr_inodes=999") == 0
+    for name, data in files.items():
+        (disk / name).parent.mkdir(exist_ok=True)
+        (disk / name).write_bytes(data)
+    os.chdir(disk)
+
+
+@contextlib.contextmanager
+def little(disk, kind, room):
+    """Room for so many pages or files more on a disk, or for so many bytes in a file."""
+    now = os.statvfs(disk)
+    if kind == "bytes":
+        resource.setrlimit(resource.RLIMIT_FSIZE, (room, -1))
+    else:
+        pages, files = max(1, now.f_blocks - now.f_bfree + room) if kind == "pages" else 9999, now.f_files - now.f_ffree + room if kind == "files" else 999
+        assert LIBC.mount(b"tmpfs", bytes(disk), b"tmpfs", 32, f"size={pages * now.f_bsize},nr_inodes={files}".encode()) == 0
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, (-1, -1))
+    if kind != "bytes":
+        LIBC.mount(b"tmpfs", bytes(disk), b"tmpfs", 32, b"size=64m,nr_inodes=999")
+
+
+def obey(words):
+    """Code and standard error of a command; that of Python without its start."""
+    if words[:3] != FILL:
+        done = subprocess.run(words, capture_output=True, text=True)
+        return done.returncode, done.stderr
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()) as said:
+        return main(words[3:]), said.getvalue()
+
+
+def starve(disk, words, start, more):
+    """A command where it finds little room, in a process of its own; whether disks were tried."""
+    style.StyledFigure.savefig = lambda _, file, **__: file.write(bytes(30000) + PICTURE_END)
+    uncertainty.bands = uncertainty.joint_indices = lambda *_: {}
+    mounted = own_disks()
+    fill(disk, start, mounted)
+    assert obey(words)[0] == 0
+    whole = tree(disk)
+    sizes = [len(data) for name, data in whole.items() if start.get(name) != data]
+    pages = sum(-(-len(data) // 4096) for data in whole.values()) - sum(-(-len(data) // 4096) for data in start.values())
+    rooms = [("bytes", n) for n in ({0, max(sizes) - 1, *(size - 1 for size in sizes if words[:3] != FILL)} if sizes else {0})]
+    rooms += [*[("files", n) for n in range(3)], *[("pages", n) for n in sorted({0, pages // 3, pages - 1, pages})]] * (mounted and pages > 0)
+    keeps = words[:3] == FILL and "--out" in words and words[3] not in ("run", "study")
+    begun = __import__("time").time()
+    for files, room in [(start, room) for room in rooms] + [(whole, room) for room in rooms[1::4]] * keeps:
+        fill(disk, files, mounted)
+        print(room, __import__("time").time() - begun, file=open("/work/tmp/disk/t.log", "a"))
+        with little(disk, *room):
+            code, said = obey([*words, *["--force"] * (files is whole)])
+        left = tree(disk)
+        if code != 0:
+            assert code == 3 and said.count("error: ") == 1 and "Traceback" not in said, (room, said)
+            assert re.search(r"'([^']*/)?r(im)?(/[^']+)?'", said) and re.search("No space|too large|is the disk full", said), (room, said)
+            assert files is start or left == whole, room
+            assert ".png'" in said or not [n for n, d in left.items() if files.get(n) != d and b'"status": "complete"' in d], (room, said)
+            assert not [name for name, data in left.items() if name.endswith((".part", ".lock")) or (name.endswith(".png") and data[-8:] != PICTURE_END)]
+            if files is whole or room not in (rooms[1], rooms[-2]):
+                continue
+            code, said = obey([*words, *more])
+        assert code == 0 and gist(tree(disk)) == gist(whole), (room, said, set(gist(tree(disk)).items()) ^ set(gist(whole).items()))
+    return mounted
+
+
+@pytest.mark.parametrize("name", commands())
+def test_a_full_disk_is_an_error(exe, small_run, tmp_path, name):
+    """Where a file finds no room, at its first or its last byte, on a disk or under a limit, the command ends with code 3 and one line that
+    names it; nothing says that it is complete but what has only its figures to come, no picture is cut, what stood there before stays, and with
+    room for all it ends as ever."""
+    words = [*map(str, commands(exe, tmp_path)[name])]
+    if name in ("plot", "report", "export", "sensitivity"):
+        shutil.copytree(small_run, tmp_path / "r")
+    start = tree(tmp_path)
+    here, there = os.pipe()
+    if (child := os.fork()) == 0:
+        said = "only limits of the size of files were tried: no disk can be mounted (unshare -rm)"
+        with contextlib.suppress(BaseException):
+            try:
+                said = "" if starve(tmp_path / "disk", words, start, GO_ON.get(name, [])) else said
+            except BaseException:
+                said = traceback.format_exc()
+            os.write(there, said.encode())
+        os._exit(0)
+    os.close(there)
+    with open(here) as file:
+        said = file.read()
+    os.waitpid(child, 0)
+    assert "Traceback" not in said, said
+    if said:
+        pytest.skip(said)
+
+
+def test_every_command_meets_a_full_disk():
+    """The test above holds every command of hdengine."""
+    known = make_parser()._subparsers._group_actions[0].choices
+    assert {words[3] for words in commands().values() if words[:3] == FILL} == set(known)
 
 
 @pytest.mark.parametrize("command, last, work", [

@@ -97,13 +97,9 @@ int hd_addresses_limited(void)
          (getrlimit(RLIMIT_DATA, &data) == 0 && data.rlim_cur != RLIM_INFINITY);
 }
 
-/* 0: done or already there. */
-int hd_make_directory(const char *path)
-{
-  return mkdir(path, 0777) == 0 || errno == EEXIST ? 0 : errno;
-}
+int hd_make_directory(const char *path) { return mkdir(path, 0777) == 0 ? 0 : errno; }
 
-int hd_rename(const char *from, const char *to) { return rename(from, to); }
+int hd_rename(const char *from, const char *to) { return rename(from, to) == 0 ? 0 : errno; }
 
 /* Standard streams that are closed lead nowhere: the next file opened would get their place, and the log in it. */
 void hd_fill_streams(void)
@@ -118,6 +114,16 @@ int hd_writable_kind(const char *path)
 {
   struct stat s;
   return lstat(path, &s) != 0 || S_ISREG(s.st_mode);
+}
+
+/* Why no file can be begun at a path, -1: one can. The compiler's library looks for other files before it hands on the error. */
+int hd_begin_error(const char *path)
+{
+  int file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (file < 0) return errno;
+  unlink(path);
+  close(file);
+  return -1;
 }
 
 /* Bring a closed file to the disk. 0: done and as long as it was written, -1: shorter or longer, else the system's error. */

@@ -9,7 +9,7 @@ module hd_system
   private
   public :: set_libraries, renew_after_fork, catch_signals, watch_signals, unwatch_signals, keep_memory, &
     stop_requested, hold_stop, check_stop, stop_signal, fill_streams, addresses_limited, make_directory, rename_file, remove_file, &
-    remove_matching, remove_directory, settle_file, system_text, writable_kind, path_kind, become_program
+    remove_matching, remove_directory, settle_file, system_text, writable_kind, begin_error, path_kind, become_program
   public :: path_absent, path_file, path_directory
 
   integer, parameter :: path_absent = 0     !< nothing there
@@ -58,6 +58,10 @@ module hd_system
     integer(c_int) function c_limited() bind(c, name='hd_addresses_limited')
       import :: c_int
     end function c_limited
+    integer(c_int) function c_begin_error(path) bind(c, name='hd_begin_error')
+      import :: c_char, c_int
+      character(kind=c_char), intent(in) :: path(*)
+    end function c_begin_error
     integer(c_int) function c_writable(path) bind(c, name='hd_writable_kind')
       import :: c_int, c_char
       character(kind=c_char), intent(in) :: path(*)
@@ -147,19 +151,18 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< cannot be made
     integer(c_int) :: status
     status = c_mkdir(trim(path)//c_null_char)
-    if (path_kind(path) /= path_directory) then
-      call raise(error, code_file, "cannot make the folder '"//trim(path)//"': its parent must exist and "// &
-        'be writable; make it, or choose another folder with --out DIR')
-    end if
+    if (path_kind(path) == path_directory) return
+    call raise(error, code_file, "cannot make the folder '"//trim(path)//"'"//system_text(int(status))// &
+      '; its parent must exist and be writable: make it, or choose another folder with --out DIR')
   end subroutine make_directory
 
   !> Rename a file, replacing the target.
   subroutine rename_file(from, to, error)
     character(len=*), intent(in) :: from, to          !< paths
     type(error_t), allocatable, intent(out) :: error  !< cannot be renamed
-    if (c_rename(trim(from)//c_null_char, trim(to)//c_null_char) /= 0) then
-      call raise(error, code_file, "cannot write '"//trim(to)//"'")
-    end if
+    integer(c_int) :: status
+    status = c_rename(trim(from)//c_null_char, trim(to)//c_null_char)
+    if (status /= 0) call raise(error, code_file, "cannot write '"//trim(to)//"'"//system_text(int(status)))
   end subroutine rename_file
 
   !> Remove a file if it is there.
@@ -188,6 +191,12 @@ contains
     character(len=*), intent(in) :: path  !< path
     writable_kind = c_writable(trim(path)//c_null_char) /= 0
   end function writable_kind
+
+  !> Why no file could be begun at a path, for `system_text`.
+  integer function begin_error(path)
+    character(len=*), intent(in) :: path  !< file
+    begin_error = c_begin_error(trim(path)//c_null_char)
+  end function begin_error
 
   !> Bring a closed file to the disk; 0: done, and it has its length, else for `system_text`.
   integer function settle_file(path, bytes) result(status)

@@ -5,7 +5,7 @@ module hd_new_file
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_checksum, only: file_checksum
   use hd_error, only: error_t, raise, code_file
-  use hd_system, only: rename_file, remove_file, settle_file, system_text, writable_kind
+  use hd_system, only: rename_file, remove_file, settle_file, system_text, writable_kind, begin_error
   implicit none
   private
   public :: new_file_t, write_text
@@ -35,6 +35,7 @@ contains
     if (allocated(error)) return
     call remove_file(self%now)
     open (newunit=self%unit, file=self%now, access='stream', form='unformatted', action='write', status='new', iostat=self%status)
+    if (self%status /= 0) self%status = begin_error(self%now)
     call check_open(self, error)
   end subroutine open_new
 
@@ -80,6 +81,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< says why
     if (self%status == 0) return
     self%unit = -1
+    call remove_file(self%now)
     call raise(error, code_file, "cannot write '"//self%path//"'"//system_text(self%status))
   end subroutine check_open
 
@@ -100,7 +102,11 @@ contains
     class(new_file_t), intent(inout) :: self          !< file
     type(error_t), allocatable, intent(out) :: error  !< cannot be moved
     call rename_file(self%now, self%path, error)
-    if (.not. allocated(error)) self%now = self%path
+    if (allocated(error)) then
+      call remove_file(self%now)
+    else
+      self%now = self%path
+    end if
   end subroutine place
 
   !> Write text as it stands; once a writing has failed nothing more is written.

@@ -14,11 +14,13 @@ from html import escape
 from pathlib import Path
 
 from .._engine import InputError
+from ..files import writing
 from .formats import head_of
 from .law import JointLaw
 
 __all__: list[str] = []
 NAME = "HarmonicDriveSpring"
+ROOM = 2**20   # more than the library and what the compiler keeps [bytes]
 _MODEL = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" modelName="{name}" guid="{guid}" generationTool="hdengine" description="{head}">
   <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true">
@@ -115,10 +117,13 @@ def _library(source):
     if not compiler:
         raise InputError("--to fmu needs a C compiler: none of cc, gcc, clang is found; name one by CC")
     with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / "spring.c").write_text(source)
+        with writing(f"{folder}/spring.c"):
+            Path(folder, "spring.c").write_text(source)
         command = [*compiler.split(), "-O2", "-shared", "-fPIC", "-o", "spring.so", "spring.c"]
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
         if done.returncode:
+            with writing(f"{folder}/spring.so"):   # compilers say in many ways that they find no room
+                Path(folder, "room").write_bytes(bytes(ROOM))
             raise InputError(f"{compiler} cannot compile the FMU: {done.stderr.strip()[-300:]}")
         return (Path(folder) / "spring.so").read_bytes()
 

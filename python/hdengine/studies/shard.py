@@ -23,7 +23,7 @@ from .._check import input_file
 from .._engine import FileError, FolderLock, HdengineError, InputError
 from .._types import PathLike
 from ..contact import read_scene
-from ..files import check_file
+from ..files import check_file, writing
 from .progress import Progress
 from .study import Study, StudyResult, head_of
 from .workers import solve_all
@@ -158,10 +158,11 @@ def run_shard(study: Study, out: PathLike, number: int, shards: int, jobs: int =
     study.check()
     mine, points = deal(study, shards)[number - 1], study.points
     path = Path(out, f"part-{number}.jsonl")
-    path.parent.mkdir(parents=True, exist_ok=True)
     head = _head(study.identity(), shards)
+    with writing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
     check_file(path, force=True)
-    with open(os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666), "r+b") as file:
+    with writing(path), open(os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666), "r+b") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:

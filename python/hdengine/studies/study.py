@@ -24,7 +24,7 @@ from .._check import path as a_path
 from .._engine import FileError, FolderLock, HdengineError, InputError
 from .._types import PathLike, Value
 from ..contact import read_scene
-from ..files import json_text, read_json, write_files
+from ..files import json_text, read_json, write_files, writing
 from ..results import preformatted
 from ..views.labels import LOOP, SHOWN
 from .progress import Progress
@@ -262,7 +262,8 @@ class Study:
         out = Path(out)
         scene = self.check()
         identity = self.identity()
-        out.absolute().parent.mkdir(parents=True, exist_ok=True)
+        with writing(out):
+            out.absolute().parent.mkdir(parents=True, exist_ok=True)
         with FolderLock(out):
             rows, versions = ({}, []) if force else self._earlier(out, identity, retry, other_version)
             versions = [v for v in versions if v != _engine.version()] + [_engine.version()]

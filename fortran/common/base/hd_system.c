@@ -126,6 +126,13 @@ int hd_begin_error(const char *path)
   return -1;
 }
 
+/* Bytes of a file on the disk, -1: there is none. */
+long long hd_file_bytes(const char *path)
+{
+  struct stat s;
+  return stat(path, &s) == 0 ? (long long)s.st_size : -1;
+}
+
 /* Bring a closed file to the disk. 0: done and as long as it was written, -1: shorter or longer, else the system's error. */
 int hd_settle(const char *path, long long bytes)
 {

@@ -9,7 +9,7 @@ module hd_system
   private
   public :: set_libraries, renew_after_fork, catch_signals, watch_signals, unwatch_signals, keep_memory, &
     stop_requested, hold_stop, check_stop, stop_signal, fill_streams, addresses_limited, make_directory, rename_file, remove_file, &
-    remove_matching, remove_directory, settle_file, system_text, writable_kind, begin_error, path_kind, become_program
+    remove_matching, remove_directory, settle_file, system_text, writable_kind, begin_error, file_bytes, path_kind, become_program
   public :: path_absent, path_file, path_directory
 
   integer, parameter :: path_absent = 0     !< nothing there
@@ -66,6 +66,10 @@ module hd_system
       import :: c_int, c_char
       character(kind=c_char), intent(in) :: path(*)
     end function c_writable
+    integer(c_long_long) function c_bytes(path) bind(c, name='hd_file_bytes')
+      import :: c_char, c_long_long
+      character(kind=c_char), intent(in) :: path(*)
+    end function c_bytes
     integer(c_int) function c_settle(path, bytes) bind(c, name='hd_settle')
       import :: c_int, c_long_long, c_char
       character(kind=c_char), intent(in) :: path(*)
@@ -197,6 +201,12 @@ contains
     character(len=*), intent(in) :: path  !< file
     begin_error = c_begin_error(trim(path)//c_null_char)
   end function begin_error
+
+  !> Bytes of a file on the disk, -1: there is none.
+  integer(int64) function file_bytes(path)
+    character(len=*), intent(in) :: path  !< file
+    file_bytes = c_bytes(trim(path)//c_null_char)
+  end function file_bytes
 
   !> Bring a closed file to the disk; 0: done, and it has its length, else for `system_text`.
   integer function settle_file(path, bytes) result(status)

@@ -7,7 +7,7 @@ module hd_table
   use hd_checksum, only: checksum, joined_checksum
   use hd_error, only: error_t, raise, code_file
   use hd_new_file, only: new_file_t
-  use hd_system, only: system_text
+  use hd_system, only: file_bytes, system_text
   use hd_text, only: to_text
   implicit none
   private
@@ -85,8 +85,8 @@ contains
     if (self%file%unit == -1) return
     if (self%file%status == 0) flush (self%file%unit, iostat=self%file%status)
     inquire (unit=self%file%unit, pos=next)
-    inquire (unit=self%file%unit, size=bytes)
-    if (bytes /= next - 1) self%file%status = -1   ! the compiler's library does not tell
+    bytes = file_bytes(self%file%now)
+    if (bytes /= next - 1) self%file%status = -1   ! the compiler's library does not tell, and takes for written what it holds
     call tell(self, error)
   end subroutine find_bytes
 

@@ -95,7 +95,9 @@ class Run:
     ...     steps = list(r)
     """
 
-    _handle = None
+    _handle = None   # these are of one that could not be opened
+    facets = axial_facets = dof = load_steps = 0
+    done = False
 
     @checked(path=a_path, out=a_path, force=flag, resume=flag, allow_implausible=flag)
     def __init__(self, path: PathLike | None = "", out: PathLike | None = "", force: bool = False,
@@ -110,7 +112,6 @@ class Run:
                                      int(allow_implausible))
         self._teeth = _engine.supported(read_scene(path, **keys), "against_teeth")
         self.facets, self.axial_facets, self.dof, self.load_steps = (int(n) for n in _engine.call("run_sizes", self._handle))
-        self.done = False
 
     def _open(self) -> int:
         """Handle of the run, which must be open."""

@@ -175,8 +175,10 @@ def _content(path, content):
         return content
     if callable(content):
         with tempfile.TemporaryDirectory() as folder:
-            content(Path(folder, path.name))
-            return [Path(folder, path.name).read_bytes()]
+            made = Path(folder, path.name)
+            with writing(made):
+                content(made)
+            return [made.read_bytes()]
     drawn = io.BytesIO()
     content.savefig(drawn, format=path.suffix[1:])
     return [drawn.getvalue()]

@@ -279,7 +279,7 @@ def test_outputs_follow_no_links_and_wait_for_no_pipe(exe, tmp_path, name):
     outside.write_text("mine\n")
     tried = 0
     for i, output in enumerate([*names, f"{names[-1]}.part", "hdengine.lock"]):
-        for kind in ("link", "pipe", *(["dangling", "hard link"] if i == 1 else [])):
+        for kind in ("link", "pipe", *(["dangling", "hard link"] if i == 1 or output == "hdengine.lock" else [])):
             folder = tmp_path / f"{output}.{kind}".replace(" ", ".")
             special(folder / output, kind, outside)
             done = run_in(tmp_path, [*(folder.name if word == "r" else word for word in words), "--force"])
@@ -306,7 +306,16 @@ def test_python_writes_through_no_link(tmp_path):
 
 
 def test_a_run_resumes_beside_its_copy(exe, tmp_path):
-    """A folder of hard links (cp -al) stays as it was while the run that it was made of goes on."""
+    """A folder of hard links (cp -al) stays as it was while the run, or the shard of a study, that it was made of goes on."""
+    shard, part = commands(exe, tmp_path)["shard"], tmp_path / "r/part-1.jsonl"
+    assert run_in(tmp_path, shard).returncode == 0
+    whole = part.read_bytes()
+    part.write_bytes(cut := b"".join(whole.splitlines(True)[:2]))
+    os.link(part, tmp_path / "copy.jsonl")
+    assert run_in(tmp_path, shard).returncode == 0
+    assert [line.split(b",")[0] for line in part.read_bytes().splitlines()] == [line.split(b",")[0] for line in whole.splitlines()]
+    assert (tmp_path / "copy.jsonl").read_bytes() == cut
+    part.unlink()
     with hdengine.Run(CD14, tmp_path / "r", **dict(word.split("=") for word in WORDS)) as run:
         run.advance()
     (tmp_path / "copy").mkdir()

@@ -276,7 +276,9 @@ def test_a_run_has_one_handle_that_no_other_gets(tmp_path):
         for copied in (copy.copy, copy.deepcopy, pickle.dumps):
             with pytest.raises(hdengine.InputError, match="cannot be copied"):
                 copied(run)
-    for use in (run.advance, run.step, lambda: next(iter(run))):
+    never = hdengine.Run.__new__(hdengine.Run)   # as one whose input is wrong, in a debugger
+    assert repr(never).endswith("closed") and run.done is False
+    for use in (run.advance, run.step, lambda: next(iter(run)), lambda: next(iter(never))):
         with pytest.raises(hdengine.InputError, match="closed"):
             use()
     with hdengine.Run(**keys) as other:

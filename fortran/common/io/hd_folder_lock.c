@@ -68,6 +68,12 @@ int hd_take_lock(const char *path, int kernel, int *fd, char *holder, int size)
       close(f);
       return !busy && named == 2 ? held_elsewhere : held;
     }
+    if (here.st_nlink > 1) { /* the file of a copy by hard links (cp -al) too */
+      int gone = unlink(path) == 0;
+      close(f);
+      if (gone) continue;
+      return no_file;
+    }
     time_t now = time(NULL);
     strftime(when, sizeof when, "%Y-%m-%dT%H:%M:%S", localtime(&now));
     n = snprintf(line, sizeof line, "process %ld on %s, start %llu, since %s\n", (long)getpid(), host, start_of(getpid()), when);

@@ -120,7 +120,7 @@ def _library(source):
         with writing(f"{folder}/spring.c"):
             Path(folder, "spring.c").write_text(source)
         command = [*compiler.split(), "-O2", "-shared", "-fPIC", "-o", "spring.so", "spring.c"]
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, env=os.environ | {"TMPDIR": folder})
         if done.returncode:
             with writing(f"{folder}/spring.so"):   # compilers say in many ways that they find no room
                 Path(folder, "room").write_bytes(bytes(ROOM))

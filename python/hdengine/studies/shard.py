@@ -23,7 +23,7 @@ from .._check import input_file
 from .._engine import FileError, FolderLock, HdengineError, InputError
 from .._types import PathLike
 from ..contact import read_scene
-from ..files import check_file, writing
+from ..files import check_file, write_files, writing
 from .progress import Progress
 from .study import Study, StudyResult, head_of
 from .workers import solve_all
@@ -170,6 +170,9 @@ def run_shard(study: Study, out: PathLike, number: int, shards: int, jobs: int =
         except OSError as e:
             if e.errno not in NO_LOCKS:
                 raise
+        if os.fstat(file.fileno()).st_nlink > 1:   # a copy of it by hard links stays as it is
+            write_files({path: iter(lambda: file.read(2**20), b"")})
+            return run_shard(study, out, number, shards, jobs, force, retry, show)
         end, failed = 0, {}
         if not force:
             for end, point, rows in _lines(path, file, head, len(points)):

@@ -200,7 +200,7 @@ def _write(path, parts):
 
 
 @contextlib.contextmanager
-def writing(path) -> Iterator[None]:
+def writing(path: PathLike) -> Iterator[None]:
     """Errors of the system as errors of the package that name the file."""
     try:
         yield

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes at the ends: little torque, no contact, nothing that holds, a torque that no drive bears; and first steps that take long."""
 import csv
+from itertools import product
 
 import pytest
 
 import hdengine
-from conftest import CD14, SMALL, call
+from conftest import CD14, ROOT, SMALL, call, solved
 
 
 def solve(exe, folder, *keys):
@@ -109,14 +110,29 @@ def test_friction_below_the_tolerance_is_none(exe, tmp_path, friction):
         assert run.summary["results"]["k_ts_contact_nm_per_rad"] is None
 
 
-def test_the_tangent_does_not_depend_on_the_path(exe, tmp_path):
-    """Without torque all points at the bound may hold or slip on: solver, symmetry and tolerance give one tangent, of both readings."""
-    found = []
-    for keys in (("condensed", "full", "1e-6"), ("condensed", "half", "1e-10"), ("newton", "full", "1e-8"), ("newton", "half", "1e-8")):
-        done = call(exe, CD14, "mesh.divisions=40", "mesh.band_facets=8", "load.torque_steps=0", "output.vtu=none", "--out", tmp_path / "p", "--force", "-q",
-                    *(f"solver.{k}={v}" for k, v in zip(("method", "symmetry", "tolerance"), keys, strict=True)))
-        assert done.returncode == 0, done.stderr
-        steps = hdengine.load(tmp_path / "p").steps
-        found.append([steps[f"k_ts_{name}_nm_per_rad"][-1] for name in ("bonded", "contact")])
-    for one in found:
-        assert one == pytest.approx(found[0], rel=1e-5)
+CONDENSED, COARSER, GMRES, LU = (("method=condensed",), ("method=condensed", "start=coarser"), ("method=newton", "factors=harmonic"),
+                                 ("method=newton", "factors=exact"))
+PATHS = [(*solver, f"symmetry={part}", f"tolerance={tolerance}") for solver, part, tolerance in product(
+    (CONDENSED, COARSER, GMRES, LU), ("full", "half"), ("1e-6", "1e-8", "1e-10")) if (solver, part) != (LU, "half")]
+
+
+@pytest.mark.parametrize(("scene", "keys", "paths", "known"), [
+    ("cd14", ("load.torque_steps=0",), PATHS, "bonded contact"), ("cd14", ("load.torque=-5", "load.torque_steps=2"), PATHS[::4], "bonded contact"),
+    ("cd14", ("contact.mode=frictionless", "load.torque_steps=0"), PATHS[::4], "bonded"),
+    ("cd14", ("contact.friction=0", "load.torque_steps=1"), PATHS[::4], "bonded"),
+    ("drive14", ("loop.torques=-6", "load.torque_steps=1"), [PATHS[0], PATHS[2], PATHS[-2]], "bonded contact shares"),
+    ("drive14", ("loop.torques=1", "load.torque_steps=1", "contact.friction=0"), [PATHS[0], PATHS[2], PATHS[-1]], "bonded shares"),
+    ("drive14", ("load.torque_steps=0",), [PATHS[0], PATHS[2], PATHS[-1]], "")])
+def test_the_tangent_does_not_depend_on_the_path(exe, tmp_path, scene, keys, paths, known):
+    """Points at the bound may hold or slip on, without torque all of them: solver, symmetry and tolerance give one tangent, of both readings, and
+    one part of each body. Where nothing takes torque the reading is null: a contact without friction, a drive within its play."""
+    found, mesh = [], ("mesh.divisions=40", "mesh.band_facets=8") if scene == "cd14" else SMALL[:2]
+    for path in paths:
+        r = solved(exe, tmp_path / "p", ROOT / f"data/{scene}.nml", *mesh, *keys, "output.vtu=none", *(f"solver.{key}" for key in path)).summary["results"]
+        found.append({name: r[f"k_ts_{name}_nm_per_rad"] for name in ("bonded", "contact")} | {"shares": r.get("twist_shares", {"none": None})})
+    for name in ("bonded", "contact", "shares"):
+        for one in found:
+            if name in known:
+                assert one[name] == pytest.approx(found[0][name], rel=1e-5, abs=1e-6)
+            else:
+                assert set(one[name].values() if name == "shares" else [one[name]]) == {None}

@@ -4,12 +4,16 @@ import itertools
 import json
 import os
 import subprocess
+import sys
 
 import numpy as np
 import pytest
 
 import hdengine
 from conftest import CD14, ROOT, SMALL, call, solve_small, solved
+
+sys.path.insert(0, str(ROOT / "bench"))
+from solver_choice import SCENES, SOLVERS  # noqa: E402
 
 LARGE = ["solver.kinematics=nonlinear"]
 FORMED = ["wave_generator.shape=as_formed", "wave_generator.interference=5e-6"]
@@ -124,6 +128,19 @@ def test_predicted_order_is_the_measured_one():
                 pairs += 1
                 wrong += (a[predicted] > b[predicted]) != (a[measured] > b[measured])
     assert pairs > 15 and wrong == 0
+
+
+def test_predictions_are_near_what_was_measured(exe, tmp_path):
+    """On the scenes of bench/solver_choice.py: condensed_s, harmonic_s and exact_s within a factor of 3 of the times measured there and of 1.5 in the
+    mean, condensed_mb, harmonic_mb and exact_mb of 1.4 and 1.1."""
+    rows, ratios = json.loads((ROOT / "bench/results/solver_choice.json").read_text())["rows"], []
+    for row in rows:
+        done = call(exe, ROOT / "data/peer_hub.nml", *SCENES[row["scene"]], *SOLVERS[row["solver"]], "solver.time_limit_s=1e-9", "--force", "--out", tmp_path / "p")
+        predicted = json.loads((tmp_path / "p/summary.json").read_text())["predicted"]
+        assert done.returncode == 7 and predicted["solver"] == row["solver"]
+        ratios.append([predicted[row["solver"] + "_s"] / row["cpu_s"], predicted[row["solver"] + "_mb"] / row["memory_mb"]])
+    worst, mean = abs(np.log(ratios)).max(axis=0), np.log(ratios).mean(axis=0)
+    assert (worst < np.log([3, 1.4])).all() and (abs(mean) < np.log([1.5, 1.1])).all(), (np.exp(worst), np.exp(mean))
 
 
 @pytest.mark.parametrize("keys", [["solver.method=condensed"], ["solver.method=newton", "solver.factors=exact"],

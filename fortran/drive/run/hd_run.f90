@@ -295,12 +295,14 @@ contains
     character(len=:), allocatable, intent(out) :: lost  !< likewise
     type(error_t), allocatable, intent(out) :: error  !< likewise
     type(string_t), intent(in), optional :: only(:)   !< likewise
-    integer :: threads
+    integer :: threads, newtons
     threads = 0
+    newtons = run%model%solver%inner   ! its inner steps are counted for Newton's method alone
     if (run%model%solver%own_threads) threads = blas_threads(1)
     call run%gradient%differentiate(run%model%solver, run%scene, run%joint, run%model%drive, run%sums%k_tangent, found, lost, &
       error, only)
     if (run%model%solver%own_threads) threads = blas_threads(threads)
+    run%model%solver%inner = newtons
   end subroutine differentiate_run
 
   !> Write the checkpoint of the last whole load step, if it has none: seldom enough to cost little, before its state is left, and

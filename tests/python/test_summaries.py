@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every number of summary.json, surface.json, joint.json, record.json and study.json is met by a value from outside: one computed here, or
 that of the test which HELD names. A number that is new in any of them fails until it is held."""
+import ast
 import json
 import re
 import subprocess
@@ -15,14 +16,17 @@ import numpy as np
 import pytest
 from oracle import Oracle
 from test_blind_fit import CASES
-from test_columns import source_of, words
+from test_columns import joint, source_of, words  # noqa: F401
 
 import hdengine
 from conftest import ROOT, call
 from hdengine import cli, roughness
+from hdengine.prediction.bodies import Bodies
+from hdengine.prediction.law import predict
 from hdengine.table_file import read_csv
 
-sys.path.insert(0, str(ROOT / "bench"))
+sys.path[:0] = str(ROOT / "bench"), str(ROOT / "data")
+import make_torque_record as bench  # noqa: E402
 from blind_generators import LN_G, field  # noqa: E402
 
 DIVISIONS, FACETS = 24, 4
@@ -41,6 +45,21 @@ class Between:
 
     def __repr__(self):
         return f"{self.low} to {self.high}"
+
+
+class Beside:
+    """Equal to a value with the ends of a band about a truth, no wider than a share of it."""
+
+    def __init__(self, truth, share):
+        self.truth, self.share = truth, share
+
+    def __eq__(self, found):
+        value, low, high = found
+        near = self.share * (abs(self.truth) or 5e-4)
+        return low < value < high and abs(value - self.truth) < near and high - low < 2 * near
+
+    def __repr__(self):
+        return f"about {self.truth}"
 
 
 class Around:
@@ -68,10 +87,12 @@ def flat(tree, path=""):
 
 def agree(found, wanted):
     """They are the same, or `wanted` says what is near enough."""
-    if isinstance(wanted, (Between, Around)) or hasattr(wanted, "rel"):   # of pytest.approx
+    if isinstance(wanted, (Between, Around, Beside)) or hasattr(wanted, "rel"):   # of pytest.approx
         return found == wanted
     if found is None or wanted is None:
         return wanted is None and found is None or found is None and wanted != wanted
+    if isinstance(wanted, str):
+        return found == wanted
     if isinstance(wanted, list) and isinstance(found, list):
         return len(found) == len(wanted) and all(map(agree, found, wanted))
     return np.shape(found) == np.shape(wanted) and np.allclose(np.asarray(found, float), np.asarray(wanted, float), rtol=1e-9, atol=0, equal_nan=True)
@@ -372,7 +393,7 @@ HELD = {   # of runs: numbers that none of the above gives, and the test that do
     "joint/theory_error/(ln_k_n_half_width|k_ts_tangent_change)": "test_joint_auto.py::test_error_of_the_theory_is_said_and_moves_the_tangent",
     "k_ts_by_model/.*_nm_per_rad": f"{HERE}::test_other_models_are_those_of_runs_with_them",
     "predicted/memory_allowed_mb": "test_solver_choice.py::test_a_limit_of_the_shell_counts_as_the_machines",
-    "predicted/.*_(s|mb)": "test_solver_choice.py::test_predictions_are_near_what_was_measured",
+    "predicted/(condensed|harmonic|exact)_(s|mb)": "test_solver_choice.py::test_predictions_are_near_what_was_measured",
     "results/(height|slope)_.*|fits/.*/roughness/.*": f"{COLUMNS}::test_numbers_of_heights",
     "fits/generated/band_m": f"{COLUMNS}::test_structure_of_heights",
     "surfaces/.*/wrong_from_m|fits/.*/spectrum/wrong_from_m": "test_wrong_points.py::test_what_cannot_be_seen_is_said",
@@ -380,6 +401,10 @@ HELD = {   # of runs: numbers that none of the above gives, and the test that do
     "surfaces/.*/areal/(sal_m|str|std_rad)": "test_texture.py::test_autocorrelation_and_direction_of_a_lay",
     "surfaces/.*/areal/(sk_m|spk_m|svk_m|smrk1|smrk2|sxp_m)": "test_texture.py::test_heights_and_material_ratio_of_a_known_curve",
     "surfaces/.*/covariance_of_d_ln_g|fits/.*/covariance": f"{HERE}::test_covariance_is_that_of_many_fits",
+    "band_half_widths_ln_k_n/law/.*": "test_joint_choice.py::test_stated_error_holds",
+    "band_half_widths_ln_k_n/longer waves/.*": "test_joint_choice.py::test_longer_waves_are_counted",
+    "(e_star_pa|k_t_over_k_n|hardness_pa)": f"{COLUMNS}::test_joint_is_that_of_its_spectrum",
+    "(h_rms_m|slope_rms)": f"{COLUMNS}::test_spectrum_of_a_map",
     "model/inner_iterations": f"{HERE}::test_inner_iterations_are_those_of_the_log",
 }
 
@@ -545,3 +570,77 @@ def test_forms_and_filters_are_those_put_in(tmp_path, capsys):
     assert areal["form_range_m"] == pytest.approx(np.ptp(shape), rel=0.01)
     assert (areal["s_filter_m"], areal["l_filter_m"], areal["outliers"]) == (2.5e-6, 8e-5, 3)
 
+
+
+def test_joint(joint):
+    """joint.json of a map, by numpy: moments of its heights, mean squares of its slopes, waves that would hold as much; the parts of its band by 60 maps of its
+    spectrum, whose longest waves the fit takes for less known, and by differences."""
+    (tables, record, z), p = joint, joint[0]["joint"]["pressure_pa"]
+    z = levelled(z)[0]
+    w, h, waves = z / z.std(), tables["spectrum"]["height_variance_m2"], tables["spectrum"]["waves_per_m2"] * (64e-6)**2
+    low, high = np.quantile(w, [0.9, 0.995])
+    steps = np.gradient(z, 1e-6)
+    rows, columns = (np.mean(np.diff(z, axis=k)**2) / 1e-12 for k in (0, 1))
+    slopes = np.array(record["surfaces"][0]["slope_moments"])
+    mixed = np.mean(steps[0] * steps[1]) / np.sqrt(np.prod(np.mean(np.square(steps), axis=(1, 2))) / (slopes[0, 0] * slopes[1, 1]))
+    small, large = np.linalg.eigvalsh(slopes)
+    assert np.diag(slopes) == pytest.approx([rows, columns], rel=0.1)   # of waves, by differences
+    wanted = {"holes": 0, "skewness": (w**3).mean(), "kurtosis": (w**4).mean(), "crests": pytest.approx((high - low) / (2.5758 - 1.2816), rel=1e-3),
+              "isotropy": small / large, "slope_moments": np.array([[slopes[0, 0], mixed], [mixed, slopes[1, 1]]]), "h_rms_m": z.std(),
+              "slope_rms": np.sqrt((tables["spectrum"]["q_per_m"]**2 * h).sum()), "noise_variance_m2": 0}
+    wanted = {f"surfaces/0/{key}": value for key, value in wanted.items()} | {"independent_waves": h.sum()**2 / (h**2 / waves).sum(), "tamaas": None}
+
+    def ln_k(z, **bodies):
+        return np.log(predict((z, (1e-6, 1e-6)), pressure=p, model="spectrum", draws=2, bodies=Bodies(**bodies)).table["k_n_pa_per_m"])
+    size, rng = abs(np.fft.fft2(z)), np.random.default_rng(3)
+    drawn = [ln_k(np.fft.ifft2(size * np.fft.fft2(rng.normal(size=z.shape)) / 64).real) for _ in range(60)]
+    by_e, by_h = (ln_k(z, **up) - ln_k(z) for up in ({"e1": 1.01 * Bodies.e1, "e2": 1.01 * Bodies.e2}, {"hardness": 1.01 * Bodies.hardness}))
+    sampling, moduli = 1.96 * np.std(drawn, axis=0), 196 * np.hypot(0.02 * by_e, 0.15 * by_h)
+    for name, half in (("sampling", Between(0.9 * sampling, 2 * sampling)), ("E* and hardness", pytest.approx(moduli, rel=0.2))):
+        wanted |= {f"band_half_widths_ln_k_n/{name}/{end}": half for end in ("low", "high")}
+    assert_held(record, wanted)
+
+
+def test_record(tmp_path, capsys):
+    """record.json of the bench's record: what the script that made it put in."""
+    assert cli.main(["record", str(ROOT / "data/torque_record.csv"), "--out", str(tmp_path / "r")]) == 0
+    torque, turn = bench.record()
+    scatter = np.hypot(0.2 * bench.ARCSEC, 0.005 / bench.stiffness(torque).mean()) / np.sqrt(3)   # even ones
+    turns = np.array([bench.angle(t) - bench.WIDTH * (1 - (t / 5)**2) for t in (0, 2, 5)])   # where the torque rises; T2 is beyond the record
+    k1, k2 = np.array([2, 3]) / np.diff(turns)
+    truth = {"hysteresis": 2 * bench.WIDTH, "lost_motion": 2 * bench.angle(0.04 * 7.8), "closing": 0.0}
+    wanted = {"size": 14, "readings": len(turn), "torque_min_nm": torque.min(), "torque_max_nm": torque.max(), "torque_error_nm": 0.05,
+              "angle_error_rad": 2 * bench.ARCSEC, "scatter_rad": pytest.approx(scatter, rel=0.1), "band_share": 0.95,
+              "value_low_high/k1_nm_per_rad": Beside(k1, 0.03), "value_low_high/k2_nm_per_rad": Beside(k2, 0.03), "value_low_high/k3_nm_per_rad": [None] * 3}
+    wanted |= {f"value_low_high/{key}_rad": Beside(value, 0.03) for key, value in truth.items()}
+    assert_held(json.loads((tmp_path / "r/record.json").read_text()), wanted)
+
+
+def test_study(exe, tmp_path):
+    """study.json of two points of which one cannot be solved."""
+    fixed = {"mesh.divisions": 16, "mesh.band_facets": 3, "load.torque_steps": 1, "load.support": "bearing"}
+    hdengine.Study(ROOT / "data/cd14.nml", grid={"load.torque": [1.0, 300.0]}, fixed=fixed).run(tmp_path / "s", show=False)
+    record = json.loads((tmp_path / "s/study.json").read_text())
+    words = [f"{key}={value}" for key, value in ({"load.torque": 1.0} | fixed).items()]
+    wanted = of_the_scene(exe, SimpleNamespace(record=record, scene="data/cd14.nml", keys=words))
+    wanted |= {f"identity/fixed/{key}": value for key, value in fixed.items() if key != "load.support"}
+    assert_held(record, wanted | {"points": 2, "done": 2, "failed": 1, "identity/grid": [["load.torque", [1.0, 300.0]]]})
+
+
+TEXTS = {"file", "chosen_because", "first_guesses", "message", "model_error", "tolerance_covers", "left_out"}   # of other runs, and no numbers
+
+
+def test_every_number_is_held(press, drive, teeth, planned, surface):
+    """What HELD names is a test that names the number; a name that the program writes into a record is in one of these, or in this file."""
+    paths = {path for run in (press, drive, teeth, planned, surface) for path in flat(run.record)}
+    for pattern, name in HELD.items():
+        source = source_of(name)
+        known = words(source) | {node.attr for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Attribute)}
+        leaves = {re.sub(r".*[/.]|_low$|_high$", "", path) for path in paths if re.fullmatch(pattern, path)}
+        assert not [leaf for leaf in leaves if not any(re.fullmatch(word, leaf) for word in known)], name
+    here = words((ROOT / "tests/python/test_summaries.py").read_text())
+    names = {name for run in (press, drive, teeth, planned, surface) for path in flat(run.record) for name in path.split("/")}
+    texts = {key for run in (press, drive, teeth, planned, surface) for key in re.findall(r'"(\w+)": *["tf]', json.dumps(run.record))}
+    for path in [*ROOT.glob("fortran/drive/**/*.f90"), *ROOT.glob("fortran/surface/**/*.f90")]:
+        for name in re.findall(r"json%(?:add|begin)\('(\w+)'", path.read_text()):
+            assert name in names | texts | TEXTS | here or any(re.fullmatch(pattern.split("/", 1)[-1], name) for pattern in HELD), f"no test holds {name} of {path.name}"

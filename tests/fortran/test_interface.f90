@@ -6,7 +6,7 @@ module test_interface
   use hd_contact_law, only: contact_law_t, evaluate_law, frictional, open_state, slip_state, stick_state
   use hd_error, only: error_t
   use hd_kinds, only: dp
-  use hd_micro_slip, only: sampled_shares
+  use hd_micro_slip, only: micro_slip_t, new_micro_slip, sampled_shares
   use hd_problem, only: load_t, problem_t, state_t
   use hd_rate_law, only: asked_state, missed_work, rate_drive, rate_point_t, rate_slip, rate_stick
   use hd_test_bodies, only: press_blocks, solve
@@ -25,11 +25,26 @@ contains
     call shear_loop()
     call mindlin_curve(8._dp, 1e-9_dp)
     call mindlin_curve(8.2_dp, 1e-4_dp)  ! midway between two pressures of the table
+    call steep_curve()
     call raised_bound()
     call turning_shear()
     call asked_states()
     call pressed_blocks()
   end subroutine run_interface
+
+  !> Where k_t falls at once the slip still only grows between the samples: no slope is more than three times that of a chord beside it.
+  subroutine steep_curve()
+    type(micro_slip_t) :: table
+    real(dp) :: k(size(sampled_shares()), 2)
+    integer :: n
+    k = spread(merge(1e-3_dp, 1._dp, sampled_shares() > 0.5_dp), 2, 2)
+    table = new_micro_slip([0._dp, 1._dp], k)
+    n = ubound(table%g, 1)
+    associate (g => table%g(:, 1), slope => table%slope(:, 1))
+      call check(maxval(slope(:n - 1) - 3*n*(g(1:) - g(:n - 1))) < 1e-9_dp*maxval(slope) .and. &
+        maxval(slope(1:) - 3*n*(g(1:) - g(:n - 1))) < 1e-9_dp*maxval(slope), 'a steep curve of slip does not fall')
+    end associate
+  end subroutine steep_curve
 
   !> Table of the exponential joint from 1 kPa to 10 GPa.
   function exponential() result(table)

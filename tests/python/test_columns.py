@@ -177,7 +177,7 @@ def test_stiffness_of_facets(press):
 @pytest.mark.parametrize("friction", [0.1, 5])
 def test_stiffness_of_the_contact_alone(exe, tmp_path, press, friction):
     """k_ts_contact_nm_per_rad is the sum of area r^2 over points that stick, along their shear at its stiffness under it where that grows, else and across
-    it without, and over those that slip across it alone, by the power law of the table, to 1 %: directions are those of the facets."""
+    it without, and over those that slip across it alone, by the power law of the table. Directions are those of the facets."""
     keys = [f"{key}={press[1]['scene'][key]}" for key in ("load.torque", "load.support", "wave_generator.eccentricity", "joint.model", "joint.table_file",
                                                           "wave_generator.interference", "wave_generator.w")]
     tables, summary = solve(exe, tmp_path / "k", "data/cd14.nml", *keys, f"contact.friction={friction}", "load.torque_steps=3")
@@ -189,7 +189,8 @@ def test_stiffness_of_the_contact_alone(exe, tmp_path, press, friction):
     along = rows["traction_theta_pa"]**2 / (rows["traction_theta_pa"]**2 + rows["traction_z_pa"]**2)
     assert sticks.all() == (friction > 1) and (0 < step["slip_share_area"] < 1) == (friction < 1)
     low, high = (R**2 * (rows["area_m2"] / 4 * free * (along * sticks * part + 1 - along)).sum() for part in (slope, 1))
-    assert 0.99 * low < step["k_ts_contact_nm_per_rad"] < 1.01 * high < (1.07 if friction > 1 else 1.5) * low
+    share = (step["k_ts_contact_nm_per_rad"] - low) / (high - low)   # the torque of a bearing drives nearly all points on where its friction is little
+    assert high < 1.07 * low and (-0.05 < share < 0.4 if friction < 1 else 0 < share < 1)
 
 
 def test_places_of_balls_and_teeth(drive):

@@ -117,6 +117,18 @@ def test_waves_are_those_of_eq_1():
     assert abs(surface.generate(3, 1e-6, **SURFACE)[0, 0]) < 1e-14 * 7e-6
 
 
+def test_bits_do_not_depend_on_what_came_before():
+    """Windows of the non-uniform FFT are kept: after surfaces of other tolerances the bits are those of a process that makes one alone."""
+    make = ("import hashlib, sys; from hdengine import surface\nfor t in map(float, sys.argv[1:]): print(hashlib.sha256(surface.generate("
+            "96, 1e-6, 2.5, 1e-8, 1.5, 96e-6, 4e-6, 10, 1, tolerance=t, method='nufft').tobytes()).hexdigest())")
+
+    def bits(*tolerances):
+        return subprocess.run([sys.executable, "-c", make, *tolerances], capture_output=True, text=True, check=True).stdout.split()
+    tolerances = "1e-6", "3e-6", "4e-6", "8e-6", "1e-6"
+    together = bits(*tolerances)
+    assert together == [bits(t)[0] for t in tolerances] and len(set(together)) == 4
+
+
 @pytest.mark.parametrize("method", ["direct", "product", "nufft"])
 def test_seed_fixes_heights(method):
     """Every evaluator gives the stored heights of a seed; a shorter L_s keeps the phases of the longer waves."""

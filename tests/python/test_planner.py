@@ -197,15 +197,6 @@ def test_a_stopped_plan_goes_on(exe, whole, tmp_path):
     assert again.returncode == 0 and "nothing to do" in again.stdout
 
 
-def test_limits_are_said_of_whole_runs_alone(exe, whole, tmp_path):
-    """A run that is stopped after its plan was made has limits, but its log states none."""
-    (tmp_path / "r").mkdir()
-    for name in ("plan.csv", "plan.nml"):
-        (tmp_path / "r" / name).write_bytes((whole[0] / name).read_bytes())
-    done = call(exe, CD14, *QUICK, "solver.time_limit_s=1e-3", "--out", tmp_path / "r", "--resume")
-    assert done.returncode == 7 and "plan      mesh" in done.stdout and "limit     " in whole[1] and "limit     " not in done.stdout
-
-
 def test_a_stopped_planned_run_goes_on(exe, whole, tmp_path):
     """Left after a load step of the mesh that was chosen: --resume plans from plan.csv alone and goes on from the checkpoint."""
     folder = tmp_path / "r"

@@ -95,7 +95,8 @@ def agree(found, wanted):
         return found == wanted
     if isinstance(wanted, list) and isinstance(found, list):
         return len(found) == len(wanted) and all(map(agree, found, wanted))
-    return np.shape(found) == np.shape(wanted) and np.allclose(np.asarray(found, float), np.asarray(wanted, float), rtol=1e-9, atol=0, equal_nan=True)
+    found, wanted = np.asarray(found, float), np.asarray(wanted, float)
+    return found.shape == wanted.shape and np.allclose(found, wanted, rtol=1e-9, atol=0, equal_nan=True)
 
 
 def assert_held(record, wanted):
@@ -126,14 +127,16 @@ def run(exe, out, scene, *keys):
 @pytest.fixture(scope="module")
 def press(exe, tmp_path_factory):
     """A press fit with derivatives, that may take 3 GB."""
-    return run(exe, tmp_path_factory.mktemp("p") / "p", "data/cd14.nml", *MESH, "load.torque_steps=2", "run.gradient=.true.", "mesh.memory_limit_mb=3000")
+    keys = "load.torque_steps=2", "run.gradient=.true.", "mesh.memory_limit_mb=3000"
+    return run(exe, tmp_path_factory.mktemp("p") / "p", "data/cd14.nml", *MESH, *keys)
 
 
 @pytest.fixture(scope="module")
 def drive(exe, tmp_path_factory):
     """A drive with even gaps, its band by runs, derivatives, and a turn."""
-    return run(exe, tmp_path_factory.mktemp("d") / "d", "data/drive14.nml", "mesh.divisions=16", "mesh.band_facets=3", "load.torque_steps=3", "run.band=.true.",
-               "run.gradient=.true.", "turning.positions=2", "turning.range_deg=5", "turning.torque=3", f"load.tooth_gaps={EVEN}", f"load.tooth_gaps_back={EVEN}")
+    keys = ("mesh.divisions=16", "mesh.band_facets=3", "load.torque_steps=3", "run.band=.true.", "run.gradient=.true.", "turning.positions=2",
+            "turning.range_deg=5", "turning.torque=3", f"load.tooth_gaps={EVEN}", f"load.tooth_gaps_back={EVEN}")
+    return run(exe, tmp_path_factory.mktemp("d") / "d", "data/drive14.nml", *keys)
 
 
 @pytest.fixture(scope="module")
@@ -182,7 +185,8 @@ def scene_of(exe, run):
         values["wave_generator.interference"] = 0
     if values["run.tolerance"]:   # what the plan chose stands in the name of its last mesh
         name = r"(\d+)x(\d+)_edge_([^_]+)_layers_(\d+)_(\d+)_steps_(\d+)_(\d+)_"
-        chosen = "mesh.divisions", "mesh.band_facets", "mesh.edge_length", "mesh.through_wall", "mesh.through_ring", "load.assembly_steps", "load.torque_steps"
+        chosen = ("mesh.divisions", "mesh.band_facets", "mesh.edge_length", "mesh.through_wall", "mesh.through_ring", "load.assembly_steps",
+                  "load.torque_steps")
         values |= dict(zip(chosen, map(float, re.match(name, run.tables["plan"]["mesh"][-1]).groups())))
         values["solver.tolerance"] = 1e-3 * values["run.tolerance"]
     return values
@@ -202,22 +206,22 @@ def of_the_process(run):
     if times:
         whole = sum(seconds for part, seconds in times.items() if part != "total")
         found["timers_s/total"] = pytest.approx(whole)
-        assert 0.6 * (run.end - run.begin) - 0.1 < whole < run.end - run.begin
+        assert 0.5 * (run.end - run.begin) - 0.1 < whole < run.end - run.begin
     clock = [datetime.fromisoformat(when).timestamp() for name, when in run.record["provenance"].items() if name in ("started", "finished")]
     assert int(run.begin) <= clock[0] <= clock[-1] <= run.end
-    return found | {"code": run.code, "peak_memory_mb": pytest.approx(run.peak, rel=0.05)}
+    return found | {"code": run.code, "peak_memory_mb": pytest.approx(run.peak, rel=0.02)}
 
 
 def of_the_steps(run):
     """Results that are columns of the reference step, and what its tables count."""
     steps, history = run.tables["steps"], run.tables["history"]
-    row = steps[np.flatnonzero(steps["torque_nm"] == steps["torque_nm"].max())[-1]] if run.record["scene"]["load.support"] == "drive" else steps[-1]
-    found = {f"results/{name}": pytest.approx(row[name], rel=1e-9, abs=1e-12, nan_ok=True) for name in steps.dtype.names if name in run.record["results"]}
-    for name in [name for name in found if np.isnan(row[name.split("/")[1]])]:
-        found[name] = None
-    ends = [history[(history["step"] == step) & (history["attempt"] == 0)]["iteration"].max() for step in steps["step"]]
-    return found | {"results/steps": len(steps), "results/iterations": sum(ends) if history["attempt"].max() == 0 else Between(sum(ends), len(history)),
-                    "results/cut_backs": history["attempt"].max()}
+    drive = run.record["scene"]["load.support"] == "drive"
+    row = steps[np.flatnonzero(steps["torque_nm"] == steps["torque_nm"].max())[-1]] if drive else steps[-1]
+    found = {f"results/{name}": None if np.isnan(row[name]) else pytest.approx(row[name], rel=1e-9, abs=1e-12)
+             for name in steps.dtype.names if name in run.record["results"]}
+    ends = [history[history["step"] == step]["iteration"].max() for step in steps["step"]]
+    assert history["attempt"].max() == 0
+    return found | {"results/steps": len(steps), "results/iterations": sum(ends), "results/cut_backs": 0}
 
 
 def joint_of(scene):
@@ -260,12 +264,14 @@ def of_the_joint(run):
     power = q**(-a - 1)   # of the heights
     waves = np.trapezoid(power, q)**2 / np.trapezoid(power**2 / (q / (2 * np.pi)), q) * counts.sum()
     touch = touching_share(np.geomspace(1e-3, 1, 25) * min(p.max(), 0.99 * hard), e, hard, d, g, long, short)
-    share = (counts * np.exp(np.interp(np.log(np.maximum(p, 1)), *np.log(touch)))).sum() / (counts * p).sum() * run.record["joint"]["theory_error"]["mean_pressure_pa"]
-    found = {"asperity_radius_m": scene["joint.asperity_radius"], "s_min_m2": np.pi * (short / 2)**2, "reference_area_m2": long**2, "hardness_pa": hard,
-             "reduced_modulus_pa": e, "s_ec_m2": float(o.s_ec), "psi": float(o.psi), "theory_error/area_m2": counts.sum(),
-             "theory_error/contact_area_fraction": pytest.approx(share, rel=5e-3 if p.max() < 0.3 * hard else 0.06),
-             "theory_error/independent_waves": pytest.approx(waves, rel=5e-4), "theory_error/mean_pressure_pa": pytest.approx(mean, rel=near), "theory_error/e_star_slope_over_hardness": pytest.approx(e * slope / hard, rel=1e-3)}
-    return {f"joint/{name}": value for name, value in found.items()}
+    share = (counts * np.exp(np.interp(np.log(np.maximum(p, 1)), *np.log(touch)))).sum() / (counts * p).sum()
+    share *= run.record["joint"]["theory_error"]["mean_pressure_pa"]
+    error = {"area_m2": counts.sum(), "mean_pressure_pa": pytest.approx(mean, rel=near), "independent_waves": pytest.approx(waves, rel=5e-4),
+             "contact_area_fraction": pytest.approx(share, rel=5e-3 if p.max() < 0.3 * hard else 0.06),   # high corners are evened out
+             "e_star_slope_over_hardness": pytest.approx(e * slope / hard, rel=1e-3)}
+    found = {"asperity_radius_m": scene["joint.asperity_radius"], "s_min_m2": np.pi * (short / 2)**2, "reference_area_m2": long**2,
+             "hardness_pa": hard, "reduced_modulus_pa": e, "s_ec_m2": float(o.s_ec), "psi": float(o.psi)}
+    return {f"joint/{name}": value for name, value in found.items()} | {f"joint/theory_error/{name}": value for name, value in error.items()}
 
 
 def of_the_model(run):
@@ -276,7 +282,7 @@ def of_the_model(run):
     assert n == scene["mesh.divisions"] and (m == scene["mesh.band_facets"] or scene["mesh.edge_length"])
     points = sum(int(re.search(rb'NumberOfPoints="(\d+)"', path.read_bytes())[1]) for path in run.folder.glob("bodies_*.vtu"))
     cup, ring = (int(scene[f"mesh.through_{body}"]) + 1 for body in ("wall", "ring"))   # points through either
-    free = 0 if scene["load.support"] == "drive" else 1   # a pressed ring is held on its inner face, either at a point along the axis; the cup at its hub
+    free = 0 if scene["load.support"] == "drive" else 1   # a pressed ring is held on its inner face, either at a point along the axis
     entries = 6 * cup * (3 * points // n - 3 * ring * (m + 1) - 3 * cup) + 2 * (3 * ring - free) * ((3 * ring - free) * (m + 1) - 1)
     dense = 1.5 * model["factor_flops"]
     if model["solver"] == "condensed by harmonics":
@@ -307,14 +313,16 @@ def of_the_gradient(exe, run):
         own = DIMENSIONS[next(end for end in sorted(DIMENSIONS, key=len, reverse=True) if name.endswith(f"_{end}"))]
         missed = parts @ powers - np.array(own) * run.record["results"][name]
         assert (abs(missed) < [5e-4 * abs(parts).max(), 3e-5 * abs(parts).max()]).all(), (name, missed / abs(parts).max())
-        assert set(keys) == set(by) or name in ("von_mises_max_pa", "edge_line_load_n_per_m") and set(by) - set(keys) == {"wave_generator.eccentricity"}
+        both_lobes = name in ("von_mises_max_pa", "edge_line_load_n_per_m")   # they have one largest value each
+        assert set(by) - set(keys) <= ({"wave_generator.eccentricity"} if both_lobes else set())
         assert all(by[key] == 0 for key in by if key.startswith("fatigue.") and not name.startswith("goodman"))
     return {f"gradient/{name}/{key}": slope for name, by in gradient.items() for key, slope in by.items()}
 
 
 def of_the_plan(run):
-    """Limits and their errors as the manual says (docs/explain/planner.md), from plan.csv: a line over rows^-3/2 through the last three meshes; the
-    larger of what the last mesh changed of its end and of the way to it, with its standard error; the last doubling of the load steps; two layers."""
+    """Limits and their errors as the manual says (docs/explain/planner.md), from plan.csv: a line over rows^-3/2 through the last three meshes;
+    the larger of what the last mesh changed of its end and of the way to it, with its standard error; the last doubling of the load steps; two
+    layers."""
     table, rows = run.tables["plan"], np.array([8.0, 12.0, 16.0])
     mesh = {int(re.match(r"\d+x(\d+)_", name)[1]): row for name, row in zip(table["mesh"], table) if "_steps_1_1_" in name}
     twice = next(row for name, row in zip(table["mesh"], table) if re.match(r"\d+x8_.*_steps_2_2_", name))
@@ -327,7 +335,8 @@ def of_the_plan(run):
 
     found = {"tolerance": run.record["scene"]["run.tolerance"], "level": [4, 6, 8, 12, 16].index(max(mesh)) + 1}
     for name, column, layers, count in (
-            ("k_ts_tangent", "k_ts_bonded_nm_per_rad", 0.014, 0), ("rotation", "rotation_rad", 0.005, 0), ("normal_force", "normal_force_n", 0.002, 0),
+            ("k_ts_tangent", "k_ts_bonded_nm_per_rad", 0.014, 0), ("rotation", "rotation_rad", 0.005, 0),
+            ("normal_force", "normal_force_n", 0.002, 0),
             ("mid_band_pressure", "pressure_mid_mean_pa", 0.005, 0), ("mid_band_peak", "pressure_mid_max_pa", 0.005, 0),
             ("k_ts_tangent_steps", "k_ts_tangent_steps_nm_per_rad", 0.014, 2), ("pressure_field", "pressure_field_pa", 0.003, 64)):
         columns = [f"{column}_{i}" for i in range(count)] or [column]
@@ -343,7 +352,22 @@ def of_the_plan(run):
             error, by_steps = error / np.linalg.norm(limit), by_steps / np.linalg.norm(coarse)
         found |= {column: limit, f"mesh_over_limit_{name}": np.divide(q, limit, out=np.ones(len(q)), where=limit != 0),
                   f"estimated_error_{name}": np.sqrt(size(error)**2 + size(by_steps)**2 + layers**2)}
-    return {f"plan/{name}": pytest.approx(np.ravel(value)[0] if np.size(value) == 1 else value, rel=1e-7, abs=1e-12) for name, value in found.items()}
+    return {f"plan/{name}": pytest.approx(np.ravel(value)[0] if np.size(value) == 1 else value, rel=1e-7, abs=1e-12)
+            for name, value in found.items()}
+
+
+def levelled(heights):
+    """A map less its plane, and the plane."""
+    good, (y, x) = np.isfinite(heights), np.indices(heights.shape)
+    basis = np.stack([np.ones(heights.size), x.ravel(), y.ravel()], axis=1)
+    plane = np.linalg.lstsq(basis[good.ravel()], heights[good], rcond=None)[0]
+    return heights - (basis @ plane).reshape(heights.shape), plane
+
+
+def both_ways(*maps):
+    """Mean over 20 lags of S along the rows over that along the columns, of maps added up."""
+    s = [np.sum([[np.nanmean((z[:, n:] - z[:, :-n])**2), np.nanmean((z[n:] - z[:-n])**2)] for z in maps], axis=0) for n in range(1, 21)]
+    return np.mean(np.divide(*np.transpose(s)))
 
 
 def of_the_surface(exe, run):
@@ -353,11 +377,11 @@ def of_the_surface(exe, run):
     length, gamma, ridges = (scene[f"surface.{key}"] for key in ("sample_length", "gamma", "ridges"))
     exponents = int(np.log(length / scene["surface.shortest_wavelength"]) / np.log(gamma)) + 1
     z, plane = levelled(heights)
-    s_x, s_y = ([np.mean(((z[:, n:] - z[:, :-n]) if across else (z[n:] - z[:-n]))**2) for n in range(1, 21)] for across in (True, False))
-    found = {"noise_m": 0, "misfit": 0, "freedom": len(table) - 2, "lags": [1, len(table)], "tilt": plane[1:] / 1e-6, "anisotropy": np.mean(np.divide(s_x, s_y)),
-             "residual_rms": np.sqrt(np.mean(np.log(table["s_m2"] / table["model_m2"])**2)), "residual_rms_expected": np.sqrt(np.mean(table["sample_error_ln"]**2 - table["model_error_ln"]**2)),
-             "ridges/length_m": length, "ridges/shortest_wavelength_m": length / gamma**(exponents - 1), "ridges/ridges": ridges, "ridges/gamma": gamma,
-             "chi2": Between(6, 38), "fractal_dimension_error": np.sqrt(fit["covariance"][0]), "ln_roughness_error": np.sqrt(fit["covariance"][4])}
+    found = {"noise_m": 0, "misfit": 0, "freedom": len(table) - 2, "lags": [1, len(table)], "tilt": plane[1:] / 1e-6, "anisotropy": both_ways(z),
+             "residual_rms": np.sqrt(np.mean(np.log(table["s_m2"] / table["model_m2"])**2)), "chi2": Between(6, 38),
+             "residual_rms_expected": np.sqrt(np.mean(table["sample_error_ln"]**2 - table["model_error_ln"]**2)), "ridges/length_m": length,
+             "ridges/shortest_wavelength_m": length / gamma**(exponents - 1), "ridges/ridges": ridges, "ridges/gamma": gamma,
+             "fractal_dimension_error": np.sqrt(fit["covariance"][0]), "ln_roughness_error": np.sqrt(fit["covariance"][4])}
     for name, truth, error, ln in (("fractal_dimension", scene["surface.fractal_dimension"], fit["fractal_dimension_error"], False),
                                    ("roughness", scene["surface.roughness"], fit["ln_roughness_error"], True)):
         value = fit["roughness_m" if ln else name]
@@ -381,8 +405,8 @@ HELD = {   # of runs: numbers that none of the above gives, and the test that do
     "results/cycles": "test_run.py::test_cycling_states_are_named",
     "results/k[123]_nm_per_rad": "test_drive.py::test_chords_are_those_of_the_first_rise",
     "results/(hysteresis|lost_motion)_rad": f"{COLUMNS}::test_loop_is_that_of_its_tables",
-    "results/(reference_torque_nm|wave_generator_torque_max_nm|(ball|tooth)_force_max_n|twist_shares/.*)": f"{COLUMNS}::test_loop_is_that_of_its_tables",
-    "results/loop_(work|stored|dissipated|dissipated_teeth)_j": f"{COLUMNS}::test_loop_is_that_of_its_tables",
+    "results/(reference_torque_nm|wave_generator_torque_max_nm|(ball|tooth)_force_max_n)": f"{COLUMNS}::test_loop_is_that_of_its_tables",
+    "results/(loop_(work|stored|dissipated|dissipated_teeth)_j|twist_shares/.*)": f"{COLUMNS}::test_loop_is_that_of_its_tables",
     "results/turning_(angle_error_rad|stiffness_(min|max)_nm_per_rad)": f"{COLUMNS}::test_turning_is_even",
     "results/goodman_safety_min": f"{COLUMNS}::test_fatigue_is_a_line",
     "results/.*_(low|high)|results/band_shares/.*": "test_band.py::test_band_is_that_of_runs_at_the_ends",
@@ -428,8 +452,8 @@ def test_teeth(exe, teeth):
 
 def test_planned(exe, planned):
     """A run for a tolerance."""
-    assert_held(planned.record, of_the_scene(exe, planned) | of_the_process(planned) | of_the_steps(planned) | of_the_joint(planned) | of_the_model(planned) |
-                of_the_plan(planned))
+    assert_held(planned.record, of_the_scene(exe, planned) | of_the_process(planned) | of_the_steps(planned) | of_the_joint(planned) |
+                of_the_model(planned) | of_the_plan(planned))
 
 
 def test_surface(exe, surface):
@@ -440,7 +464,8 @@ def test_surface(exe, surface):
 def test_other_models_are_those_of_runs_with_them(press, other):
     """spectrum_nm_per_rad and hu2023_nm_per_rad of a run by either: the chosen one's is its own K_TS, that of the other a run's with that model."""
     for name, this, that in (("spectrum_nm_per_rad", press, other), ("hu2023_nm_per_rad", other, press)):
-        assert this.record["k_ts_by_model"][name] == this.record["results"]["k_ts_nm_per_rad"] == pytest.approx(that.record["k_ts_by_model"][name], rel=1e-6)
+        own = this.record["k_ts_by_model"][name]
+        assert own == this.record["results"]["k_ts_nm_per_rad"] == pytest.approx(that.record["k_ts_by_model"][name], rel=1e-6)
 
 
 def test_inner_iterations_are_those_of_the_log(exe, tmp_path):
@@ -453,15 +478,15 @@ def test_inner_iterations_are_those_of_the_log(exe, tmp_path):
 
 
 def test_covariance_is_that_of_many_fits():
-    """covariance (covariance_of_d_ln_g) of D and ln G is that of the fits of 100 surfaces of Eq. 1 to 30 %, their correlation to 0.05; of a fit told nothing
-    it is the mean square of the errors over maps of all kinds, to a factor of two."""
-    known = roughness.Ridges(0.5e-3, 1e-6)
-    fits = [roughness.fit(hdengine.surface.generate(128, 1e-6, 2.5304, 2.4248e-7, 1.5, 0.5e-3, 1e-6, 10, seed)[:96], 1e-6, surface=known) for seed in range(200, 300)]
+    """covariance (covariance_of_d_ln_g) of D and ln G is that of the fits of 60 surfaces of Eq. 1 to 30 %, their correlation to 0.05; of a fit told
+    nothing it is the mean square of the errors over maps of all kinds, to a factor of two."""
+    known, of_eq_1 = roughness.Ridges(0.5e-3, 1e-6), (128, 1e-6, 2.5304, 2.4248e-7, 1.5, 0.5e-3, 1e-6, 10)
+    fits = [roughness.fit(hdengine.surface.generate(*of_eq_1, seed)[:96], 1e-6, surface=known) for seed in range(200, 260)]
     told = np.mean([f.covariance[:2, :2] for f in fits], axis=0)
     found = np.cov([(f.fractal_dimension, np.log(f.roughness_m)) for f in fits], rowvar=False)
     assert np.diag(found) == pytest.approx(np.diag(told), rel=0.3)
     assert found[0, 1] / np.sqrt(found[0, 0] * found[1, 1]) == pytest.approx(told[0, 1] / np.sqrt(told[0, 0] * told[1, 1]), abs=0.05)
-    fits = [roughness.fit(*field(96, 1e-6, 2.5, np.random.default_rng(seed), **case)) for case in CASES.values() for seed in (1, 2, 3)]
+    fits = [roughness.fit(*field(96, 1e-6, 2.5, np.random.default_rng(seed), **case)) for case in CASES.values() for seed in (1, 2)]
     errors = np.array([[f.fractal_dimension - 2.5, np.log(f.roughness_m) - LN_G] for f in fits])
     assert Between(0.5, 2) == np.mean([np.outer(e, e) / f.covariance[:2, :2] for e, f in zip(errors, fits)], axis=0)
 
@@ -490,26 +515,15 @@ def planted():
             "shaken": (shaken, none | {"jitter_m": pytest.approx([0, shake], rel=0.15), "axis_excess": pytest.approx([1, excess], rel=0.6)})}
 
 
-def levelled(heights):
-    """A map less its plane, and the plane."""
-    good, (y, x) = np.isfinite(heights), np.indices(heights.shape)
-    basis = np.stack([np.ones(heights.size), x.ravel(), y.ravel()], axis=1)
-    plane = np.linalg.lstsq(basis[good.ravel()], heights[good], rcond=None)[0]
-    return heights - (basis @ plane).reshape(heights.shape), plane
-
-
 def of_a_fit(fit, truth, *maps):
     """D and G are those put in, with what else was; intervals as wide as the errors; the plane and S both ways by numpy."""
     (dd, dg), (gd, gg) = np.reshape(fit["covariance"], (3, 3))[:2, :2] if "covariance" in fit else fit["covariance_of_d_ln_g"]
     d, g, z = Around(2.5, dd), Around(len(maps) * 1e-7, gg, log=True), [levelled(heights)[0] for heights in maps]
     assert gd == dg and 0.9 < dg / np.sqrt(dd * gg) < 1 and 0.01 < np.sqrt(dd) < 0.2
-
-    def s(n):
-        return np.sum([[np.nanmean((part[:, n:] - part[:, :-n])**2), np.nanmean((part[n:] - part[:-n])**2)] for part in z], axis=0)
-    ratio = np.mean([np.divide(*s(n)) for n in range(1, 21)])
-    return {"fractal_dimension": Between(2.35, 2.65), "roughness_m": Between(g.value * np.exp(-4 * np.sqrt(gg)), g.value * np.exp(4 * np.sqrt(gg))),
-            "roughness_95_m": g, "roughness_95_sampling_m": g, "fractal_dimension_95": d, "fractal_dimension_95_sampling": d, "misfit": Between(0, 0.02),
-            "chi2": Between(5, 45), "lags": [1, 20], "tilt": levelled(maps[0])[1][1:] / 1e-6,
+    ratio, wide = both_ways(*z), np.exp(4 * np.sqrt(gg))
+    return {"fractal_dimension": Between(2.35, 2.65), "roughness_m": Between(g.value / wide, g.value * wide),
+            "roughness_95_m": g, "roughness_95_sampling_m": g, "fractal_dimension_95": d, "fractal_dimension_95_sampling": d,
+            "misfit": Between(0, 0.02), "chi2": Between(5, 45), "lags": [1, 20], "tilt": levelled(maps[0])[1][1:] / 1e-6,
             "anisotropy": ratio if np.isfinite(maps).all() else pytest.approx(ratio, rel=0.1)} | truth
 
 
@@ -517,14 +531,14 @@ def of_areal_numbers(heights):
     """ISO 25178-2 by numpy, of the map less its plane; no form but the plane, no filters."""
     good, (z, _) = np.isfinite(heights), levelled(heights)
     plane, z = (heights - z)[good], z[good]
-    found = {"form_range_m": np.ptp(plane), "outliers": 0, "holes": (~good).sum(), "sa_m": abs(z).mean(), "sq_m": z.std(), "sp_m": z.max(), "sv_m": -z.min(),
-             "sz_m": np.ptp(z), "ssk": (z**3).mean() / z.std()**3, "sku": (z**4).mean() / z.std()**4}
+    found = {"form_range_m": np.ptp(plane), "outliers": 0, "holes": (~good).sum(), "sa_m": abs(z).mean(), "sq_m": z.std(), "sp_m": z.max(),
+             "sv_m": -z.min(), "sz_m": np.ptp(z), "ssk": (z**3).mean() / z.std()**3, "sku": (z**4).mean() / z.std()**4}
     return found | dict.fromkeys(("form_radius_m", "form_axis_rad", "s_filter_m", "l_filter_m"))
 
 
 def test_fits(exe, tmp_path, capsys):
-    """surface.json of three maps, and summary.json of the program's fit of two and of both together: power of the rings is G^(2(D-2)) f^(2D-8) / (4 pi),
-    less what a Gaussian probe takes, where D, G and probe were put in; the equivalent surface of two of one D has the sum of both G."""
+    """surface.json of three maps, and summary.json of the program's fit of two and of both together: power of the rings is G^(2(D-2)) f^(2D-8) /
+    (4 pi), less what a Gaussian probe takes, where D, G and probe were put in; the equivalent surface of two of one D has the sum of both G."""
     maps, wanted = planted(), {}
     for name, (z, _) in maps.items():
         np.save(tmp_path / f"{name}.npy", z)
@@ -535,28 +549,31 @@ def test_fits(exe, tmp_path, capsys):
     told = of_the_process(done) | {"spacing_m": [1e-6, 1e-6]}
     for name, (z, truth) in maps.items():
         f, power, model = (rows[key][rows["surface"] == name] for key in ("frequency_per_m", "power", "model"))
-        inside = np.isfinite(model)
+        inside, long = np.isfinite(model), f < 2.5e5
         law = 1e-7 * f**-3 / (4 * np.pi) * np.exp(-(2 * np.pi * f * (0.5e-6 if name == "seen" else 0))**2)
-        assert np.median((power / law)[f < 2.5e5]) == pytest.approx(1, abs=0.2) and np.median((model / law)[inside & (f < 2.5e5)]) == pytest.approx(1, abs=0.2)
+        assert [np.median((power / law)[long]), np.median((model / law)[inside & long])] == pytest.approx([1, 1], abs=0.2)
         window = {"freedom": inside.sum() - 4, "band_m": [1 / f[inside].max(), 1 / f[inside].min()]}   # D, G, noise, probe
         found = of_a_fit(record["surfaces"][name], truth, z) | window | {f"areal/{key}": value for key, value in of_areal_numbers(z).items()}
-        found |= {"spectrum/frequency_per_m": f, "spectrum/power": power, "spectrum/model": [None if np.isnan(m) else m for m in model], "ridges": None,
-                  "points": z.shape, "spacing_m": [1e-6, 1e-6], "size_m": [127e-6, 127e-6], "ranges_d_m_m": [[Between(2.35, 2.65), *window["band_m"]]]}
+        found |= {"spectrum/frequency_per_m": f, "spectrum/power": power, "spectrum/model": [None if np.isnan(m) else m for m in model],
+                  "ridges": None, "points": z.shape, "spacing_m": [1e-6, 1e-6], "size_m": [127e-6, 127e-6],
+                  "ranges_d_m_m": [[Between(2.35, 2.65), *window["band_m"]]]}
         wanted |= {f"surfaces/{name}/{key}": value for key, value in found.items()}
     assert_held(record, wanted)
-    both = maps["shaken"][1] | {"noise_m": Between(0, 2e-7)}
-    for part, (truth, *heights) in {"first": maps["seen"][::-1], "second": maps["shaken"][::-1], "equivalent": (both, maps["seen"][0], maps["shaken"][0])}.items():
+    (seen, of_seen), (shaken, of_shaken) = maps["seen"], maps["shaken"]
+    parts = {"first": (of_seen, seen), "second": (of_shaken, shaken), "equivalent": (of_shaken | {"noise_m": Between(0, 2e-7)}, seen, shaken)}
+    for part, (truth, *heights) in parts.items():
         fit, table = done.record["fits"][part], done.tables["fit"][done.tables["fit"]["surface"] == part]
         beside = {"fractal_dimension_error": pytest.approx(np.ptp(fit["fractal_dimension_95"]) / 3.92, rel=1e-4),
                   "ln_roughness_error": pytest.approx(np.ptp(np.log(fit["roughness_95_m"])) / 3.92, rel=1e-4),
-                  "residual_rms": np.sqrt(np.mean(np.log(table["s_m2"] / table["model_m2"])**2)), "residual_rms_expected": np.sqrt(np.mean(table["sample_error_ln"]**2))}
+                  "residual_rms": np.sqrt(np.mean(np.log(table["s_m2"] / table["model_m2"])**2)),
+                  "residual_rms_expected": np.sqrt(np.mean(table["sample_error_ln"]**2))}
         found = of_a_fit(fit, truth, *heights) | window | beside | {"scatter": Between(0.85, 1.15)}
         told |= {f"fits/{part}/{'spectrum/' * (key in [*truth, 'scatter'] and key != 'noise_m')}{key}": value for key, value in found.items()}
     assert_held(done.record, told)
 
 
 def test_forms_and_filters_are_those_put_in(tmp_path, capsys):
-    """form_radius_m, form_axis_rad, form_range_m, s_filter_m, l_filter_m and outliers of a cylinder of 5 mm that lies at 0.3 rad, with three spikes."""
+    """form_radius_m, form_axis_rad, form_range_m, s_filter_m, l_filter_m and outliers of a cylinder of 5 mm at 0.3 rad, with three spikes."""
     y, x = np.mgrid[:120, :160] * 1e-6
     across = np.cos(0.3) * (y - 59.5e-6) - np.sin(0.3) * (x - 79.5e-6)
     shape = np.sqrt(5e-3**2 - across**2)
@@ -571,10 +588,9 @@ def test_forms_and_filters_are_those_put_in(tmp_path, capsys):
     assert (areal["s_filter_m"], areal["l_filter_m"], areal["outliers"]) == (2.5e-6, 8e-5, 3)
 
 
-
 def test_joint(joint):
-    """joint.json of a map, by numpy: moments of its heights, mean squares of its slopes, waves that would hold as much; the parts of its band by 60 maps of its
-    spectrum, whose longest waves the fit takes for less known, and by differences."""
+    """joint.json of a map, by numpy: moments of its heights, mean squares of its slopes, waves that would hold as much; the parts of its band by 60
+    maps of its spectrum, whose longest waves the fit takes for less known, and by differences."""
     (tables, record, z), p = joint, joint[0]["joint"]["pressure_pa"]
     z = levelled(z)[0]
     w, h, waves = z / z.std(), tables["spectrum"]["height_variance_m2"], tables["spectrum"]["waves_per_m2"] * (64e-6)**2
@@ -611,7 +627,8 @@ def test_record(tmp_path, capsys):
     truth = {"hysteresis": 2 * bench.WIDTH, "lost_motion": 2 * bench.angle(0.04 * 7.8), "closing": 0.0}
     wanted = {"size": 14, "readings": len(turn), "torque_min_nm": torque.min(), "torque_max_nm": torque.max(), "torque_error_nm": 0.05,
               "angle_error_rad": 2 * bench.ARCSEC, "scatter_rad": pytest.approx(scatter, rel=0.1), "band_share": 0.95,
-              "value_low_high/k1_nm_per_rad": Beside(k1, 0.03), "value_low_high/k2_nm_per_rad": Beside(k2, 0.03), "value_low_high/k3_nm_per_rad": [None] * 3}
+              "value_low_high/k1_nm_per_rad": Beside(k1, 0.03), "value_low_high/k2_nm_per_rad": Beside(k2, 0.03),
+              "value_low_high/k3_nm_per_rad": [None] * 3}
     wanted |= {f"value_low_high/{key}_rad": Beside(value, 0.03) for key, value in truth.items()}
     assert_held(json.loads((tmp_path / "r/record.json").read_text()), wanted)
 
@@ -643,4 +660,5 @@ def test_every_number_is_held(press, drive, teeth, planned, surface):
     texts = {key for run in (press, drive, teeth, planned, surface) for key in re.findall(r'"(\w+)": *["tf]', json.dumps(run.record))}
     for path in [*ROOT.glob("fortran/drive/**/*.f90"), *ROOT.glob("fortran/surface/**/*.f90")]:
         for name in re.findall(r"json%(?:add|begin)\('(\w+)'", path.read_text()):
-            assert name in names | texts | TEXTS | here or any(re.fullmatch(pattern.split("/", 1)[-1], name) for pattern in HELD), f"no test holds {name} of {path.name}"
+            held = any(re.fullmatch(pattern.split("/", 1)[-1], name) for pattern in HELD)
+            assert held or name in names | texts | TEXTS | here, f"no test holds {name} of {path.name}"

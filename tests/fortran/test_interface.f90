@@ -38,7 +38,8 @@ contains
     real(dp) :: k(size(sampled_shares()), 2)
     real(dp), allocatable :: chord(:)
     integer :: n
-    k = spread(merge(1e-3_dp, 1._dp, sampled_shares() > 0.5_dp), 2, 2)
+    k = 1
+    k(2*(size(k, 1)/4) + 1:, :) = 0.9_dp  ! from the end of a panel on
     table = new_micro_slip([0._dp, 1._dp], k)
     n = ubound(table%g, 1)
     chord = n*(table%g(1:, 1) - table%g(:n - 1, 1))

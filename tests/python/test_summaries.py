@@ -14,7 +14,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from oracle import Oracle
 from test_blind_fit import CASES
 from test_columns import joint, source_of, words  # noqa: F401
 
@@ -24,6 +23,7 @@ from hdengine import cli, roughness
 from hdengine.prediction.bodies import Bodies
 from hdengine.prediction.law import predict
 from hdengine.table_file import read_csv
+from oracle import Oracle
 
 sys.path[:0] = str(ROOT / "bench"), str(ROOT / "data")
 import make_torque_record as bench  # noqa: E402
@@ -478,7 +478,7 @@ def test_inner_iterations_are_those_of_the_log(exe, tmp_path):
 
 
 def test_covariance_is_that_of_many_fits():
-    """covariance (covariance_of_d_ln_g) of D and ln G is that of the fits of 60 surfaces of Eq. 1 to 30 %, their correlation to 0.05; of a fit told
+    """Covariance (covariance_of_d_ln_g) of D and ln G is that of the fits of 60 surfaces of Eq. 1 to 30 %, their correlation to 0.05; of a fit told
     nothing it is the mean square of the errors over maps of all kinds, to a factor of two."""
     known, of_eq_1 = roughness.Ridges(0.5e-3, 1e-6), (128, 1e-6, 2.5304, 2.4248e-7, 1.5, 0.5e-3, 1e-6, 10)
     fits = [roughness.fit(hdengine.surface.generate(*of_eq_1, seed)[:96], 1e-6, surface=known) for seed in range(200, 260)]
@@ -588,7 +588,7 @@ def test_forms_and_filters_are_those_put_in(tmp_path, capsys):
     assert (areal["s_filter_m"], areal["l_filter_m"], areal["outliers"]) == (2.5e-6, 8e-5, 3)
 
 
-def test_joint(joint):
+def test_joint(joint):  # noqa: F811 (a fixture)
     """joint.json of a map, by numpy: moments of its heights, mean squares of its slopes, waves that would hold as much; the parts of its band by 60
     maps of its spectrum, whose longest waves the fit takes for less known, and by differences."""
     (tables, record, z), p = joint, joint[0]["joint"]["pressure_pa"]

@@ -32,7 +32,7 @@ contains
     call pressed_blocks()
   end subroutine run_interface
 
-  !> Where k_t falls at once the slip still only grows between the samples: no slope is more than three times that of a chord beside it.
+  !> Where k_t falls at once the slip still only grows between the samples: no slope is above three times a chord beside it.
   subroutine steep_curve()
     type(micro_slip_t) :: table
     real(dp) :: k(size(sampled_shares()), 2)

@@ -76,7 +76,7 @@ contains
     end if
     do f = 1, size(slave%nodes, 2)
       at = modulo(modulo(f - 1, period), batch) + 1
-      away = (f - 1)/period*(size(master%nodes, 2)*period/size(slave%nodes, 2))
+      away = (f - 1)/period*(size(master%nodes, 2)/(size(slave%nodes, 2)/period))
       if (at == 1 .and. f <= period) call find_overlaps(moved, f, period, master, bins, present(shift), found)
       n = found(at)%n
       if (n == 0) cycle

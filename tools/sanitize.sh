@@ -1,12 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The Fortran tests, small scenes and damaged input under ASan and UBSan, then with -fcheck=all and traps of division by zero and overflow:
-# tools/sanitize.sh [EXECUTIONS]. Needs ./hd test once; builds in build-sanitize and build-trap, minutes the first time.
-# The latter runs scenes alone: tests and damaged input read 1e999, which overflows on purpose. Not watched: null pointers, which gfortran loads to pass on an absent array (a read through one ends in ASan); not trapped: invalid operations, which each comparison with the NaN of an absent value is.
+# tools/sanitize.sh [--suite] [EXECUTIONS]; --suite: the Python tests too, of program and extension so built. Needs ./hd test once; builds in
+# build-sanitize and build-trap, half an hour the first time.
+# With traps the Fortran tests and damaged input are left out: they read 1e999, which overflows on purpose; and the extension has only the checks, for traps would be those of all Python. Not watched: null pointers, which gfortran loads to pass on an absent array (a read through one ends in ASan); not trapped: invalid operations, which each comparison with the NaN of an absent value is.
 set -eu
 cd "$(dirname "$0")/.."
 PATH="$PWD/.venv/bin:$PATH"
-export ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 OMP_NUM_THREADS=2 OPENBLAS_NUM_THREADS=1
+suite=
+[ "${1:-}" != --suite ] || { suite=yes; shift; }
+export ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 OMP_NUM_THREADS=2 OPENBLAS_NUM_THREADS=1
 small='mesh.divisions=16 mesh.band_facets=3 load.assembly_steps=1 load.torque_steps=2'
 
 run() {
@@ -15,17 +18,29 @@ run() {
   "$exe" "$@" --out "$folder/out" --force -q || { echo "failed: $*" >&2; exit 1; }
 }
 
+# The Python tests, but test_house, which reads the sources, and those of seconds and bytes, which both cost more here.
+run_suite() {
+  left_out='few_addresses or leave_no_memory or opens_files_alone'
+  preload=
+  [ $kind = trap ] || for l in libasan.so libubsan.so libstdc++.so; do preload=$preload:$(gcc -print-file-name=$l); done
+  [ $kind = sanitize ] || left_out="$left_out or PLACEHOLDER"
+  LD_PRELOAD=$preload HDENGINE_EXE=$exe PYTHONPATH=$site OMP_NUM_THREADS=1 .venv/bin/python -m pytest -q -n 2 --dist loadfile \
+    --no-loadscope-reorder --ignore=tests/python/test_house.py -k "not ($left_out)"
+}
+
 for kind in sanitize trap; do
   if [ "$kind" = sanitize ]; then
-    options='--buildtype=debugoptimized -Db_sanitize=address,undefined -Db_lundef=false -Dfortran_args=-fno-sanitize=null'
+    options="-Db_sanitize=address,undefined -Db_lundef=false -Dfortran_args=['-fno-var-tracking','-fno-sanitize=null']"
   else
-    options="--buildtype=debug -Dfortran_args=['-fcheck=all,no-array-temps','-ffpe-trap=zero,overflow']"
+    options="-Dfortran_args=['-fno-var-tracking','-fcheck=all,no-array-temps','-ffpe-trap=zero,overflow']"
   fi
+  site=$PWD/build-$kind/site
   # shellcheck disable=SC2086
-  [ -f build-$kind/build.ninja ] || meson setup build-$kind -Dpython=false $options >.venv/$kind.log
+  [ -f build-$kind/build.ninja ] || meson setup build-$kind --buildtype=debugoptimized -Dpython.platlibdir="$site" -Dpython.purelibdir="$site" $options >.venv/$kind.log
   ninja -C build-$kind --quiet
+  meson install -C build-$kind --quiet --no-rebuild --tags runtime,python-runtime
   [ $kind = trap ] || { ninja -C build-$kind --quiet tests/fortran/hd_tester tests/fortran/hd_fuzz && build-$kind/tests/fortran/hd_tester; }
-  exe=$PWD/build-$kind/fortran/app/hdengine.x folder=$(mktemp -d)
+  exe=$site/hdengine_x/hdengine.x folder=$(mktemp -d)
   run data/cd14.nml $small output.vtu=all
   run data/cd14.nml $small output.vtu=all mesh.element=hex20r contact.law=joint mesh.edge_length=1e-4
   run data/cd14.nml $small solver.method=newton solver.factors=exact wave_generator.ring_contact=unilateral
@@ -39,6 +54,7 @@ for kind in sanitize trap; do
   run data/drive14.nml $small run.gradient=.true. loop.torques=5
   run data/surface.nml surface.nx=40 surface.ny=30
   [ $kind = trap ] || .venv/bin/python tools/fuzz.py --exe "$exe" --count "${1:-200}" --many "${1:-200}00" --build build-sanitize
+  [ -z "$suite" ] || run_suite
   rm -r "$folder"
   echo "$kind: nothing found"
 done

@@ -173,15 +173,16 @@ contains
   pure subroutine turn_slip(slip, slip_shear, scale, turned, turn)
     real(dp), intent(in) :: slip(2), slip_shear(2), scale
     real(dp), intent(out) :: turned(2), turn(2, 2)
-    real(dp) :: size, share, slope, e(2), d(2)
+    real(dp) :: size, led, share, slope, e(2), d(2)
     integer :: i
     turned = slip
     turn = reshape([1._dp, 0._dp, 0._dp, 1._dp], [2, 2])
-    if (.not. norm2(slip_shear) > 0) return   ! squares may vanish before numbers do
-    e = slip_shear/norm2(slip_shear)
     size = norm2(slip)
+    led = reach*norm2(slip_shear)
+    if (.not. led > 1e-150_dp*(scale*size)) return   ! nothing led, or so little that its square is lost
+    e = slip_shear/norm2(slip_shear)
     d = slip/max(size, tiny(size))
-    share = 1/(1 + (scale*size/(reach*norm2(slip_shear)))**2)
+    share = 1/(1 + (scale*size/led)**2)
     slope = 2*share*(share - 1)       ! |s| dg/d|s|
     turned = (1 + share)*slip + share*size*e
     turn = (1 + share)*turn

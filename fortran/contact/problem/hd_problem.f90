@@ -527,7 +527,7 @@ contains
           else if (present(strains)) then
             call sum_group(bodies(b), first(b), lagrangian(b), lanes*s, u, f, along=along, kept=strains(b)%kept(:, :, s))
           else
-            call sum_group(bodies(b), first(b), lagrangian(b), lanes*s, u, f, tangent, along)
+            call sum_group(bodies(b), first(b), lagrangian(b), lanes*s, u, f, tangent)
           end if
         end do
         !$omp end parallel do

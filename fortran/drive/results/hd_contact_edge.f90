@@ -63,16 +63,18 @@ contains
     end do
     power = max(least, min(most, a))
     where (abs(power) < smallest) power = smallest
-    f = [(min(mean(e, bound(i), bound(i + 1), power(i)), sqrt(e - bound(i)))/mean(e, bound(i), bound(i + 1), 1._dp), i=1, 2)]
+    f = [(mean(e, bound(i), bound(i + 1), power(i))/mean(e, bound(i), bound(i + 1), 1._dp), i=1, 2)]
   end function at_end
 
-  !> Power mean of (e - z)^(1/2) over a cell, 0 beyond e.
+  !> Power mean of (e - z)^(1/2) over a cell, 0 beyond e: at most its highest value, which powers just below 0 pass by any amount.
   pure real(dp) function mean(e, from, to, power)
     real(dp), intent(in) :: e         !< end of contact, in the cell or beyond
     real(dp), intent(in) :: from, to  !< the cell
     real(dp), intent(in) :: power     !< of the mean
-    real(dp) :: n
+    real(dp) :: n, x
     n = 1 + 0.5_dp*power
-    mean = (((e - from)**n - max(0._dp, e - to)**n)/(n*(to - from)))**(1/power)
+    x = ((e - from)**n - max(0._dp, e - to)**n)/(n*(to - from))
+    mean = sqrt(e - from)
+    if (log(x)/power < log(mean)) mean = x**(1/power)
   end function mean
 end module hd_contact_edge

@@ -2,6 +2,7 @@
 !> Von Mises stress of both bodies against their yield strengths: the largest at a Gauss point of any booked load step, for a drive
 !> must stand its whole path. What a formed flexspline keeps of being bent to its shape is not among it.
 module hd_strength
+  use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
   use hd_kinds, only: dp
   use hd_drive, only: drive_t
   use hd_error, only: error_t
@@ -57,15 +58,22 @@ contains
   pure real(dp) function flexspline_safety(self, scene) result(safety)
     class(strength_t), intent(in) :: self  !< stresses
     type(scene_t), intent(in) :: scene     !< yield strengths
-    safety = scene%yield_strength/max(self%flexspline, tiny(1._dp))
+    safety = safety_of(scene%yield_strength, self%flexspline)
   end function flexspline_safety
 
   !> Yield strength of the ring over its largest stress.
   pure real(dp) function ring_safety(self, scene) result(safety)
     class(strength_t), intent(in) :: self  !< stresses
     type(scene_t), intent(in) :: scene     !< yield strengths
-    safety = scene%ring_yield_strength/max(self%ring, tiny(1._dp))
+    safety = safety_of(scene%ring_yield_strength, self%ring)
   end function ring_safety
+
+  !> A strength over a stress; infinite where there is none.
+  pure real(dp) function safety_of(limit, stress) result(safety)
+    real(dp), intent(in) :: limit, stress  !< [Pa]
+    safety = ieee_value(1._dp, ieee_positive_inf)
+    if (stress > limit/huge(1._dp)) safety = limit/stress
+  end function safety_of
 
   !> Stresses and safeties in a line.
   function strength_text(strength, scene) result(text)

@@ -35,6 +35,7 @@ module hd_contact_law
   integer, parameter :: frictional = 2   !< unilateral with Coulomb friction
 
   real(dp), parameter :: reach = 10      !< s_0, times |tau_0|/c
+  real(dp), parameter :: faintest = 1e-150_dp  !< s_0 in parts of a slip, whose square is still a number
 
   type :: contact_law_t
     integer :: mode = frictional      !< bonded, frictionless or frictional
@@ -179,7 +180,7 @@ contains
     turn = reshape([1._dp, 0._dp, 0._dp, 1._dp], [2, 2])
     size = norm2(slip)
     led = reach*norm2(slip_shear)
-    if (.not. led > 1e-150_dp*(scale*size)) return   ! nothing led, or so little that its square is lost
+    if (.not. led > faintest*(scale*size)) return   ! nothing led, or so little that its square is lost
     e = slip_shear/norm2(slip_shear)
     d = slip/max(size, tiny(size))
     share = 1/(1 + (scale*size/led)**2)

@@ -39,6 +39,7 @@ for kind in sanitize trap; do
     options="-Dfortran_args=['-fno-var-tracking','-fcheck=all,no-array-temps','-ffpe-trap=zero,overflow']"
   fi
   site=$PWD/build-$kind/site
+  [ -d build-$kind/python ] || rm -rf build-$kind  # of another commit, which would install elsewhere
   # shellcheck disable=SC2086
   [ -f build-$kind/build.ninja ] || meson setup build-$kind --buildtype=debugoptimized -Dpython.platlibdir="$site" -Dpython.purelibdir="$site" $options >.venv/$kind.log
   ninja -C build-$kind --quiet

@@ -9,7 +9,6 @@ import sys
 import time
 from datetime import datetime
 from math import erf
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -109,19 +108,21 @@ def assert_held(record, wanted):
     assert not left, "no test holds them"
 
 
+# starts a program from a process smaller than it, which the system counts to the program until it begins
+WATCH = """import os, sys
+_, status, used = os.wait4(os.spawnv(os.P_NOWAIT, sys.argv[1], sys.argv[1:]), 0)
+print(used.ru_maxrss)
+sys.exit(os.waitstatus_to_exitcode(status))"""
+
+
 def run(exe, out, scene, *keys):
     """A run with what the system tells of its process."""
     begin = time.time()
-    with open(f"{out}.log", "wb") as log:
-        process, peak = subprocess.Popen([exe, ROOT / scene, *keys, "--out", out, "-v"], stdout=log), 0
-        while process.poll() is None:
-            told = re.search(r"VmHWM:\s+(\d+) kB", Path(f"/proc/{process.pid}/status").read_text())
-            peak = int(told[1]) / 1024 if told else peak
-            time.sleep(0.002)
-    assert process.returncode == 0
-    return SimpleNamespace(record=json.loads((out / "summary.json").read_text()), folder=out, code=process.returncode, begin=begin, end=time.time(),
-                           peak=peak, scene=scene, keys=keys, tables={p.stem: read_csv(p) for p in out.glob("*.csv")},
-                           log=(out.parent / f"{out.name}.log").read_text())
+    done = subprocess.run([sys.executable, "-S", "-c", WATCH, exe, ROOT / scene, *keys, "--out", out, "-v"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    log, peak = done.stdout.rstrip().rsplit("\n", 1)
+    return SimpleNamespace(record=json.loads((out / "summary.json").read_text()), folder=out, code=done.returncode, begin=begin, end=time.time(),
+                           peak=int(peak) / 1024, scene=scene, keys=keys, tables={p.stem: read_csv(p) for p in out.glob("*.csv")}, log=log)
 
 
 @pytest.fixture(scope="module")
@@ -206,10 +207,10 @@ def of_the_process(run):
     if times:
         whole = sum(seconds for part, seconds in times.items() if part != "total")
         found["timers_s/total"] = pytest.approx(whole)
-        assert 0.5 * (run.end - run.begin) - 0.1 < whole < run.end - run.begin
+        assert 0.5 * (run.end - run.begin) - 1 < whole < run.end - run.begin   # a busy machine starts late
     clock = [datetime.fromisoformat(when).timestamp() for name, when in run.record["provenance"].items() if name in ("started", "finished")]
     assert int(run.begin) <= clock[0] <= clock[-1] <= run.end
-    return found | {"code": run.code, "peak_memory_mb": pytest.approx(run.peak, rel=0.02)}
+    return found | {"code": run.code, "peak_memory_mb": pytest.approx(run.peak, rel=0.02, abs=1)}   # libraries take some as they end
 
 
 def of_the_steps(run):

@@ -58,22 +58,22 @@ contains
   pure real(dp) function flexspline_safety(self, scene) result(safety)
     class(strength_t), intent(in) :: self  !< stresses
     type(scene_t), intent(in) :: scene     !< yield strengths
-    safety = safety_of(scene%yield_strength, self%flexspline)
+    safety = strength_over(scene%yield_strength, self%flexspline)
   end function flexspline_safety
 
   !> Yield strength of the ring over its largest stress.
   pure real(dp) function ring_safety(self, scene) result(safety)
     class(strength_t), intent(in) :: self  !< stresses
     type(scene_t), intent(in) :: scene     !< yield strengths
-    safety = safety_of(scene%ring_yield_strength, self%ring)
+    safety = strength_over(scene%ring_yield_strength, self%ring)
   end function ring_safety
 
   !> A strength over a stress; infinite where there is none.
-  pure real(dp) function safety_of(limit, stress) result(safety)
+  pure real(dp) function strength_over(limit, stress) result(safety)
     real(dp), intent(in) :: limit, stress  !< [Pa]
     safety = ieee_value(1._dp, ieee_positive_inf)
     if (stress > limit/huge(1._dp)) safety = limit/stress
-  end function safety_of
+  end function strength_over
 
   !> Stresses and safeties in a line.
   function strength_text(strength, scene) result(text)

@@ -464,7 +464,7 @@ contains
     type(sharing_t) :: sharing
     integer, allocatable :: list(:)
     real(dp), allocatable :: force(:)
-    real(dp), allocatable, dimension(:, :) :: bare, bent, left_u, left_c, near
+    real(dp), allocatable, dimension(:, :) :: pressed, bare, left_u, left_c, near
     real(dp), allocatable, dimension(:, :, :) :: by_u, by_t, dw, dt, lambda, later, rho, slope
     integer :: j, k, struts
     associate (s => self%station(i)%state, before => self%station(i - 1)%state, place => self%station(i)%place, &
@@ -481,7 +481,7 @@ contains
       call linear_equations(problem, load, before, next, left_c, dw, dt)
       call share_law(problem, solver%symmetry, sharing)
       call sharing%take_law(dw, dt)
-      call sum_forces(problem, load, s, bent, bare, left_u)
+      call sum_forces(problem, load, s, pressed, bare, left_u)
       call update_struts(problem, load, s%u)
       ahead%at_rest = .true.
       call count_ahead(problem, load, s%u, any(s%contact == stick_state), ahead, left_u)  ! flanks that just touch hold
@@ -526,23 +526,24 @@ contains
           end if
         end associate
       end do
-      call add_keys(self, drive, i, list, load, bare, bent, left_u, left_c, dw, lambda, rho, near)
+      call add_keys(self, drive, i, list, load, pressed, bare, left_u, left_c, dw, lambda, rho, near)
     end associate
   end subroutine go_back
 
-  !> Out-of-balance forces, and those of bodies and contact among them.
-  subroutine sum_forces(problem, load, state, bent, bare, left)
+  !> Out-of-balance forces, and those of contact and bodies among them.
+  subroutine sum_forces(problem, load, state, pressed, bare, left)
     type(problem_t), intent(in) :: problem         !< problem
     type(load_t), intent(in) :: load               !< of the step
     type(state_t), intent(in) :: state             !< at its end
-    real(dp), allocatable, intent(out) :: bent(:, :)              !< of bodies (3, n) [N]
+    real(dp), allocatable, intent(out) :: pressed(:, :)           !< of the contact (3, n) [N]
     real(dp), allocatable, intent(out) :: bare(:, :), left(:, :)  !< without loads and struts, and all (3, n) [N]
     real(dp), allocatable :: force(:)
     integer :: i
-    allocate (bent, mold=state%u)
-    call elastic_forces(problem, state%u, bent)
-    bare = bent
-    call add_nodal_forces(problem%mortar, state%traction, bare, factor=-1._dp)
+    allocate (bare, mold=state%u)
+    call elastic_forces(problem, state%u, bare)
+    allocate (pressed, source=0*bare)
+    call add_nodal_forces(problem%mortar, state%traction, pressed, factor=-1._dp)
+    bare = bare + pressed
     left = bare - load%force
     if (.not. allocated(problem%struts)) return
     force = strut_forces(problem, load, state%u)
@@ -578,13 +579,13 @@ contains
   end subroutine by_history
 
   !> What the residuals of all keys at a station change of the results.
-  subroutine add_keys(self, drive, i, list, load, bare, bent, left_u, left_c, dw, lambda, rho, near)
+  subroutine add_keys(self, drive, i, list, load, pressed, bare, left_u, left_c, dw, lambda, rho, near)
     type(gradient_t), intent(inout) :: self           !< gets value
     type(drive_t), intent(inout) :: drive             !< of the run
     integer, intent(in) :: i                          !< station
     integer, intent(in) :: list(:)                    !< results
     type(load_t), intent(in) :: load                  !< there
-    real(dp), intent(in) :: bare(:, :), bent(:, :)    !< forces of its bodies with contact, and without (3, n) [N]
+    real(dp), intent(in) :: pressed(:, :), bare(:, :)          !< forces of the contact, and with those of its bodies (3, n) [N]
     real(dp), intent(in) :: left_u(:, :), left_c(:, :)         !< residuals of the run (3, n), (3, points)
     real(dp), intent(in) :: dw(:, :, :)               !< derivatives of its law (3, 3, points) [Pa/m]
     real(dp), intent(in) :: lambda(:, :, :), rho(:, :, :)      !< by residuals (3, n, list), (3, points, list)
@@ -603,7 +604,7 @@ contains
       if (allocated(problem%struts)) force = forces_of(problem, [problem%strut_rate], load, s%u)
       !$omp parallel do schedule(dynamic)
       do j = 1, size(whole)
-        call change_residuals(self%of(whole(j)), drive, place, load, before, s, bare, bent, dw, r_u(:, :, j), &
+        call change_residuals(self%of(whole(j)), drive, place, load, before, s, pressed, bare, dw, r_u(:, :, j), &
           r_c(:, :, whole(j)))
       end do
       !$omp end parallel do

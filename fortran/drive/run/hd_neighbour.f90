@@ -291,7 +291,7 @@ contains
     end do
   end function stiff_bodies
 
-  !> Two drives of one mesh have the same faces.
+  !> Two drives of one mesh have the same faces, but for rounding.
   pure logical function same_faces(a, b) result(same)
     type(mortar_t), intent(in) :: a, b  !< of the drives
     same = size(a%val) == size(b%val)
@@ -315,13 +315,13 @@ contains
 
   !> Residuals of a drive in a state of the run: all of its forces, and the change of the law's by its displacements. The way of a
   !> step is taken as linear: a change may be larger than the slip in it. Struts meet no displacements that are given.
-  subroutine change_residuals(c, drive, place, load, before, state, bare, bent, dw, r_u, r_c)
+  subroutine change_residuals(c, drive, place, load, before, state, pressed, bare, dw, r_u, r_c)
     type(neighbour_t), intent(inout) :: c           !< its drive gets whether the wheel turns
     type(drive_t), intent(in) :: drive              !< of the run
     type(place_t), intent(in) :: place              !< here
     type(load_t), intent(in) :: load                !< of the run
     type(state_t), intent(in) :: before, state      !< of the run: at the beginning of the step, and here
-    real(dp), intent(in) :: bare(:, :), bent(:, :)  !< forces of the run's bodies with contact, and without (3, n) [N]
+    real(dp), intent(in) :: pressed(:, :), bare(:, :)  !< forces of the run's contact, and with those of its bodies (3, n) [N]
     real(dp), intent(in) :: dw(:, :, :)             !< derivatives of its law (3, 3, points) [Pa/m]
     real(dp), intent(out) :: r_u(:, :), r_c(:, :)   !< residuals (3, n) [N], change (3, points) [Pa]
     real(dp), allocatable :: force(:), u(:, :)
@@ -338,7 +338,7 @@ contains
           associate (low => problem%first(c%stiff(j)) + 1, high => problem%first(c%stiff(j)) + &
             problem%bodies(c%stiff(j))%nodes())
             call body_forces(problem, c%stiff(j), state%u, r_u)
-            r_u(:, low:high) = r_u(:, low:high) + (bare(:, low:high) - bent(:, low:high))
+            r_u(:, low:high) = r_u(:, low:high) + pressed(:, low:high)
           end associate
         end do
         r_c = 0

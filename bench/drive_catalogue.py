@@ -65,8 +65,7 @@ CLOSING = (("14", "mesh 160 x 20", FINE), ("20", "mesh 160 x 20", FINE), ("20", 
            ("25", "clearance 5.38 µm", fit(5.375)), *((name, "loop to 14 N m", {"load.torque": 14}) for name in ("14", "14_hat")),
            ("20_30", "spline of 62 mm", {"load.spline_diameter": 0.062}), ("20_30", "the same, clearance 21.5 µm", {"load.spline_diameter": 0.062, **fit(21.5)}),
            ("20_50", "clearance 4.5 µm", fit(4.5)), ("20_160", "clearance 0 µm", fit(0)),
-           *((name, f"axially on {k} MN/m", {"bearing.axial_stiffness": k * 1e6}) for name, k in
-             (("14", 3.5), ("20", 6), ("25", 7), ("20_50", 10), ("20_160", 5))))
+           *((name, "held by grooves", {"bearing.axial_hold": "grooves"}) for name in ("14", "20", "25", "20_50", "20_160")))
 
 
 def sizes():

@@ -44,8 +44,7 @@ BUILT = BODIES | {"bearing.inner_conformity": (0.505, 0.6), "bearing.outer_confo
                   "bearing.ball_e": (1e11, 3.5e11), "bearing.ball_nu": (0.2, 0.35), "bearing.ball_rate": (1e9, 3e10),
                   "bearing.patch_length": (2e-4, 2e-3), "bearing.patch_width": (2e-4, 1e-3), "load.tooth_phase": (-0.5, 0.5),
                   "wave_generator.arc_angle_deg": (20, 70), "turning.range_deg": (1, 30), "fatigue.tensile_strength": (6e8, 1.5e9),
-                  "fatigue.fatigue_limit": (2e8, 6e8), "fatigue.notch_factor": (1, 2), "load.tooth_friction": (0, 0.2),
-                  "bearing.axial_stiffness": (1e6, 1e8)}
+                  "fatigue.fatigue_limit": (2e8, 6e8), "fatigue.notch_factor": (1, 2), "load.tooth_friction": (0, 0.2)}
 OPTIONS = ((0.15, "contact.law", "joint"), (0.1, "wave_generator.shape", "as_formed"), (0.15, "wave_generator.ring_contact", "unilateral"),
            (0.15, "load.torque_load", "teeth"), (0.1, "solver.kinematics", "nonlinear"), (0.2, "contact.slave", "cup"))
 

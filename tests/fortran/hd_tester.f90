@@ -10,6 +10,7 @@ program hd_tester
   use test_element, only: run_element
   use test_fft, only: run_fft
   use test_gauss, only: run_gauss
+  use test_groove, only: run_groove
   use test_hertz, only: run_hertz
   use test_heights, only: run_heights
   use test_parameters, only: run_parameters
@@ -41,6 +42,7 @@ program hd_tester
   call run_band_matrix()
   call run_fft()
   call run_gauss()
+  call run_groove()
   call run_hertz()
   call run_spectral_model()
   call run_spline_ring()

@@ -11,6 +11,7 @@ module test_ball_patch
 
   integer, parameter :: sectors = 60
   real(dp), parameter :: radius = 16e-3_dp, oval = 0.2e-3_dp   !< [m]
+  real(dp), parameter :: lever = 1.66e-3_dp                    !< [m]
 
 contains
 
@@ -20,6 +21,7 @@ contains
     type(strut_t) :: ball
     integer :: i
     patch = new_patch()
+    call along_the_axis(patch)
     do i = 1, size(patch%theta)
       u = moved(0.3_dp, 0._dp, 0._dp)
       call set(u, closing(1))
@@ -58,6 +60,41 @@ contains
     end function moment
   end subroutine run_ball_patch
 
+  !> A ring whose section turns, or that moves along the axis, moves the grooves' centres along it as a rigid body does; one that
+  !> turns about the axis or grows does not, and the weights are the derivative.
+  subroutine along_the_axis(patch)
+    type(ball_patch_t), intent(in) :: patch
+    real(dp), parameter :: phi = 1e-3_dp, far = 0.3e-3_dp
+    type(strut_t) :: way
+    real(dp) :: u(3, 2*sectors), v(3, 2*sectors), shift, low, high
+    integer :: i, k
+    do i = 4, 6
+      u = moved(0._dp, 0._dp, 0._dp)
+      do k = 1, 2
+        u(1, k::2) = -phi*(2e-3_dp*(k - 1) - far)
+        u(3, k::2) = phi*radius + 2e-6_dp
+      end do
+      call patch%place(i, way, shift)
+      call check_close(shift + closing_of(way, u), phi*(radius - lever) + 2e-6_dp, 1e-15_dp, 'a ring whose section turns')
+      call patch%place(i, way, shift, u)
+      call check_close(shift + closing_of(way, u), phi*(radius - lever) + 2e-6_dp, 1e-15_dp, 'the same under large displacements')
+      u = moved(0.3_dp, 0._dp, 0._dp)
+      call patch%place(i, way, shift, u)
+      call check_close(shift + closing_of(way, u), 0._dp, 1e-17_dp, 'a ring that turns about the axis')
+      call check_close(patch%foot(i, u), patch%theta(i - 3) - 0.3_dp, 1e-14_dp, 'comes to lie under its ball')
+      u = moved(0.02_dp, 1e-4_dp, oval)
+      v = 0
+      v(1, 2::2) = 1
+      v(3, 1::2) = 0.5_dp
+      call patch%place(i, way, shift, u + 1e-7_dp*v)
+      high = shift + closing_of(way, u + 1e-7_dp*v)
+      call patch%place(i, way, shift, u - 1e-7_dp*v)
+      low = shift + closing_of(way, u - 1e-7_dp*v)
+      call patch%place(i, way, shift, u)
+      call check_close((high - low)/2e-7_dp, closing_of(way, v), 1e-4_dp, 'weights of an axial way are its derivative')
+    end do
+  end subroutine along_the_axis
+
   !> Three balls on a face of one row.
   function new_patch() result(patch)
     type(ball_patch_t) :: patch
@@ -68,6 +105,7 @@ contains
     patch%angle = 0.07_dp
     patch%width = 1e-3_dp
     patch%theta = [0.013_dp, 1.9_dp, 5.1_dp]
+    patch%lever = lever
     allocate (patch%face%nodes(4, sectors), patch%face%chart(2, 4, sectors))
     do s = 1, sectors
       patch%face%nodes(:, s) = [2*s - 1, 2*modulo(s, sectors) + 1, 2*modulo(s, sectors) + 2, 2*s]

@@ -218,7 +218,7 @@ SLIPS = {"m": (1e3, "mm"), "Pa": (1e-6, "MPa"), "N m": (1e3, "N mm"), "N/m": (1e
 ANY = {"load.support_stiffness", "wave_generator.ball_stiffness", "wave_generator.cone_angle_deg", "wave_generator.eccentricity_angle_deg", "bearing.cage_angle_deg",
        "turning.range_deg", "contact.zero_pressure", "joint.roughness", "output.positions"}
 TYPICAL = {"wave_generator.perimeter_length": 0.1037, "turning.torque": 7.0, "loop.torques": 7.8, "bearing.patch_length": 1e-3, "bearing.patch_width": 1e-3,
-           "joint.hardness": 2e9, "bearing.axial_stiffness": 6e6,
+           "joint.hardness": 2e9,
            "cup.sections_r": 0.0175, "cup.sections_z": 0.02, "cup.sections_thickness": 4e-4, "cup.sections_fillet": 1.5e-3}
 
 

@@ -24,10 +24,10 @@ def central(scene, keys, key, value, share, folder):
 
 
 @pytest.mark.parametrize(("scene", "keys", "names", "moved"), [
-    ("tests/cases/pressed_drive.nml", DRIVE | {"bearing.axial_stiffness": 2e7, "solver.tolerance": 5e-12}, ("k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad", "ball_force_max_n", "tooth_force_max_n",
+    ("tests/cases/pressed_drive.nml", DRIVE | {"bearing.axial_hold": "grooves", "solver.tolerance": 5e-12}, ("k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad", "ball_force_max_n", "tooth_force_max_n",
                                               "k_ts_nm_per_rad", "von_mises_max_pa", "normal_force_n", "edge_line_load_n_per_m", "goodman_safety_min"),
      ("contact.friction", "material.flexspline_e", "wave_generator.interference", "load.pressure_angle_deg", "bearing.ball_diameter", "geometry.hub_radius",
-      "bearing.axial_stiffness", "fatigue.fatigue_limit")),
+      "bearing.inner_conformity", "bearing.outer_conformity", "fatigue.fatigue_limit")),
     ("data/paper.nml", HUB | {"load.support": "hub", "wave_generator.ring_tangent": "auto"}, ("k_ts_nm_per_rad", "von_mises_max_pa", "normal_force_n", "edge_line_load_n_per_m", "rotation_rad"),
      ("contact.friction", "material.ring_e", "wave_generator.w", "load.torque", "geometry.wall_thickness", "geometry.band_length")),
     ("data/paper.nml", HUB | {"load.support": "hub", "contact.law": "joint", "contact.torque_friction": 0.3, "wave_generator.eccentricity": 4e-6,

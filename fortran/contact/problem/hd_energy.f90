@@ -2,6 +2,7 @@
 !> Energy that bodies, springs and struts store: what a loop's work less its friction must equal.
 module hd_energy
   use hd_kinds, only: dp
+  use hd_groove, only: groove_energy
   use hd_problem, only: problem_t, load_t, elastic_forces, forces_at, strain_energy, strut_closings
   use hd_strut, only: strut_energy
   implicit none
@@ -30,6 +31,7 @@ contains
     n = size(closing)
     if (allocated(problem%rub)) n = n - size(problem%rub%partner)
     e = e + sum(strut_energy(problem%struts(:n), closing(:n))) + sum(force(n + 1:)**2/(2*problem%struts(n + 1:)%rate))
+    if (allocated(problem%groove)) e = e + groove_energy(problem%groove, problem%struts, closing)
     if (.not. allocated(problem%strut_give)) return
     e = e + dot_product(force, matmul(problem%strut_give, force))/2
   end function stored_energy

@@ -166,8 +166,8 @@ contains
     call pairing_error(problem%pairing, problem%mortar, state%u, state%traction(1, :), apart, turned)
     pairs_stay = turned <= moved .and. apart <= moved*problem%pairing%radius
     if (allocated(problem%placing)) then
-      do i = 1, problem%placing%struts
-        if (problem%strut_rate(i) > 0) pairs_stay = pairs_stay .and. &
+      do i = 1, size(problem%placing%struts)
+        if (problem%strut_rate(problem%placing%struts(i)) > 0) pairs_stay = pairs_stay .and. &
           abs(problem%placing%foot(i, state%u) - problem%strut_foot(i)) <= moved
       end do
     end if

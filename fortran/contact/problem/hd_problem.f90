@@ -12,6 +12,7 @@ module hd_problem
   use hd_contact_law, only: contact_law_t
   use hd_pairing, only: pairing_t, pair_faces
   use hd_flank_friction, only: rub_t, strut_laws, rubbed_answers, give_way_rubbing, memories
+  use hd_groove, only: groove_t, groove_forces, groove_tangents, groove_answers
   use hd_vector, only: add, many, set
   use hd_strut, only: strut_t, placing_t, closing_of, push, strut_force, strut_tangent, answers, give_way
   implicit none
@@ -42,14 +43,15 @@ module hd_problem
     type(pairing_t), allocatable :: pairing    !< faces of the interface, if they are paired anew as they move
     type(contact_law_t) :: law                 !< its law
     type(strut_t), allocatable :: struts(:)    !< unilateral springs to rigid surroundings; unallocated: none
-    class(placing_t), allocatable :: placing   !< of the first struts, if they are placed anew as the bodies move
-    real(dp), allocatable :: strut_shift(:)    !< closings of these struts beside those by weights; unallocated: none [m]
+    class(placing_t), allocatable :: placing   !< of those struts that are placed anew as the bodies move
+    real(dp), allocatable :: strut_shift(:)    !< closings of the placed struts beside those by weights; unallocated: none [m]
     real(dp), allocatable :: strut_foot(:)     !< angles at rest of what they press on [rad]
     real(dp), allocatable :: strut_rate(:)     !< their tangents at the present iterate [N/m]
     real(dp), allocatable :: strut_give(:, :)  !< compliance of what they stand on; unallocated: rigid [m/N]
+    type(groove_t), allocatable :: groove      !< of struts that are balls, which hold along the axis too; unallocated: none
     type(rub_t), allocatable :: rub            !< friction of struts, the last ones being companions of others; unallocated: none
     integer, allocatable :: loose(:)           !< bodies that contact, struts or soft springs hold in some rigid motions:
-    integer, allocatable :: loose_from(:)      !< of x, y, turn about the axis those from here on (size of loose)
+    logical, allocatable :: loose_ways(:, :)   !< of x, y, the turn about the axis, z, turns about x and y (6, loose)
     integer, allocatable :: wheel(:)           !< nodes on one circle with one common turn about the axis, an unknown; their other
                                                !< dofs are fixed, and so is this one for whoever does not know of it
     logical :: wheel_turns = .false.           !< they may turn; else they are held
@@ -156,13 +158,13 @@ contains
   end subroutine enter_springs
 
   !> Nothing but contact, struts and springs to the ground holds a body in some rigid motions.
-  pure subroutine loosen(problem, body, from)
+  pure subroutine loosen(problem, body, ways)
     type(problem_t), intent(inout) :: problem  !< problem
     integer, intent(in) :: body                !< number of the body
-    integer, intent(in) :: from                !< 1: x, y and the turn about the axis; 3: the turn
-    if (.not. allocated(problem%loose)) allocate (problem%loose(0), problem%loose_from(0))
+    logical, intent(in) :: ways(6)             !< as of loose_ways
+    if (.not. allocated(problem%loose)) allocate (problem%loose(0), problem%loose_ways(6, 0))
     problem%loose = [problem%loose, body]
-    problem%loose_from = [problem%loose_from, from]
+    problem%loose_ways = reshape([problem%loose_ways, ways], [6, size(problem%loose)])
   end subroutine loosen
 
   !> Springs from single dofs to the ground.
@@ -254,6 +256,7 @@ contains
     else
       f = problem%strut_rate*closing
     end if
+    if (allocated(problem%groove)) call groove_answers(problem%groove, problem%strut_rate, closing, f)
   end function linear_forces
 
   !> The same without struts.
@@ -341,7 +344,7 @@ contains
     do i = 1, size(c)
       if (c(i) > -1) c(i) = c(i) + closing_of(problem%struts(i), u)
     end do
-    if (allocated(problem%strut_shift)) c(:size(problem%strut_shift)) = c(:size(problem%strut_shift)) + problem%strut_shift
+    if (allocated(problem%strut_shift)) c(problem%placing%struts) = c(problem%placing%struts) + problem%strut_shift
     if (.not. allocated(problem%strut_give)) return
     if (allocated(problem%rub)) then
       call give_way_rubbing(problem%struts, problem%rub, load%past, problem%strut_give, c)
@@ -373,6 +376,7 @@ contains
     else
       f = strut_force(problem%struts, closing)
     end if
+    if (allocated(problem%groove)) call groove_forces(problem%groove, problem%struts, closing, f)
   end function forces_at
 
   !> Bring the tangents of the struts up to date.
@@ -392,6 +396,7 @@ contains
     else
       problem%strut_rate = strut_tangent(problem%struts, closing)
     end if
+    if (allocated(problem%groove)) call groove_tangents(problem%groove, problem%struts, closing, problem%strut_rate)
   end subroutine update_struts
 
   !> Allow large displacements from here on.
@@ -610,22 +615,23 @@ contains
     real(dp), intent(in) :: u(:, :)            !< displacements (3, n) [m]
     logical, intent(in), optional :: again     !< as of pair_faces
     type(strut_t) :: new
-    integer :: i, n
+    integer :: i, k, n
     logical :: same
     if (.not. allocated(problem%pairing)) return
     call pair_faces(problem%pairing, u, problem%mortar, again)
     if (.not. allocated(problem%placing)) return
-    n = problem%placing%struts
+    n = size(problem%placing%struts)
     if (.not. allocated(problem%strut_shift)) allocate (problem%strut_shift(n))
     problem%strut_foot = [(problem%placing%foot(i, u), i=1, n)]
     do i = 1, n
-      new = problem%struts(i)
+      k = problem%placing%struts(i)
+      new = problem%struts(k)
       call problem%placing%place(i, new, problem%strut_shift(i), u)
-      same = size(new%node) == size(problem%struts(i)%node)
-      if (same) same = all(new%node == problem%struts(i)%node) .and. &
-        all((abs(new%weight) > 0) .eqv. (abs(problem%struts(i)%weight) > 0))
+      same = size(new%node) == size(problem%struts(k)%node)
+      if (same) same = all(new%node == problem%struts(k)%node) .and. &
+        all((abs(new%weight) > 0) .eqv. (abs(problem%struts(k)%weight) > 0))
       if (.not. same) problem%mortar%pattern = problem%mortar%serial
-      problem%struts(i) = new
+      problem%struts(k) = new
     end do
   end subroutine pair_bodies
 

@@ -22,9 +22,9 @@ module hd_strut
                                              !< gfortran 12 leaves arrays that a function returns without what stands here
   end type strut_t
 
-  !> How the first struts of a problem are placed anew as the bodies move under them.
+  !> How some struts of a problem are placed anew as the bodies move under them.
   type, abstract :: placing_t
-    integer :: struts = 0                    !< so many
+    integer, allocatable :: struts(:)        !< their numbers
   contains
     procedure(place_strut), deferred :: place
     procedure(foot_of_strut), deferred :: foot
@@ -35,7 +35,7 @@ module hd_strut
     pure subroutine place_strut(self, i, strut, shift, u)
       import :: dp, placing_t, strut_t
       class(placing_t), intent(in) :: self           !< placing
-      integer, intent(in) :: i                       !< number of the strut
+      integer, intent(in) :: i                       !< place in the list of numbers
       type(strut_t), intent(inout) :: strut          !< gets node, weight
       real(dp), intent(out) :: shift                 !< [m]
       real(dp), intent(in), optional :: u(:, :)      !< displacements (3, n), if they may be large [m]
@@ -45,7 +45,7 @@ module hd_strut
     pure real(dp) function foot_of_strut(self, i, u)
       import :: dp, placing_t
       class(placing_t), intent(in) :: self           !< placing
-      integer, intent(in) :: i                       !< number of the strut
+      integer, intent(in) :: i                       !< place in the list of numbers
       real(dp), intent(in) :: u(:, :)                !< displacements (3, n) [m]
     end function foot_of_strut
   end interface

@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> What stands beside the contact points in a condensed system: the forces x of the struts that push, and the motions a of bodies
-!> that contact, struts or soft springs to the ground alone hold (two translations and the turn of a loose body, the turn of one
-!> with a wheel).
+!> that contact, struts or soft springs to the ground alone hold (those of a loose body, the turn of one with a wheel).
 !>
 !>   u = C (-r_u + B^T t + P x) + N a           C compliance, P unit forces of the struts, N = R - C S R, R rigid motions
 !>   x / k + P^T u + G x = 0                    linearised strut, k its tangent, G compliance of what it stands on
@@ -26,8 +25,8 @@ module hd_border
   private
   public :: border_t, new_border
 
-  !> Part of the mean compliance of the struts that a turn of a loose body is given where nothing else holds it: it changes the
-  !> way of Newton's iteration, not where it ends.
+  !> Part of the mean compliance of the struts that a loose body is given out of its plane where nothing else holds it: it changes
+  !> the way of Newton's iteration, not where it ends.
   real(dp), parameter :: flat = 1e-7_dp
   real(dp), parameter :: alike = 1e-10_dp     !< makes struts at the same nodes no two unknowns of a least square
   real(dp), parameter :: rounding = 1e-12_dp  !< relative
@@ -38,8 +37,8 @@ module hd_border
     real(dp) :: scale = 0                        !< of their unknowns [m/N]
     type(symmetry_t) :: symmetry                 !< that these motions have
     integer :: serial = 0                        !< of the pairs behind `side`
-    integer, allocatable :: body(:), kind(:)     !< of each: body; 1 x, 2 y, 3 turn
-    real(dp), allocatable :: cosine(:), sine(:), radius(:)   !< of the nodes' places (n) [1, 1, m]
+    integer, allocatable :: body(:), kind(:)     !< of each: body; 1 x, 2 y, 3 turn about the axis, 4 z, 5 and 6 turns about x, y
+    real(dp), allocatable :: cosine(:), sine(:), radius(:), z(:)   !< of the nodes' places (n) [1, 1, m, m]
     integer, allocatable :: active(:)            !< struts that push, at the present iterate
     logical, allocatable :: blind(:)             !< of these: their force does not see displacements
     real(dp), allocatable :: side(:, :, :)       !< relative displacements at the multipliers (3, multipliers, struts + modes) [m/N]
@@ -74,12 +73,13 @@ contains
     border%symmetry = symmetry
     border%serial = problem%mortar%serial
     call list_modes(problem, border)
-    allocate (border%cosine(problem%n), border%sine(problem%n), border%radius(problem%n))
+    allocate (border%cosine(problem%n), border%sine(problem%n), border%radius(problem%n), border%z(problem%n))
     do i = 1, size(problem%bodies)
       associate (body => problem%bodies(i), low => problem%first(i) + 1, high => problem%first(i) + problem%bodies(i)%nodes())
         border%cosine(low:high) = cos(body%angle)
         border%sine(low:high) = sin(body%angle)
         border%radius(low:high) = hypot(body%x(1, :), body%x(2, :))
+        border%z(low:high) = body%x(3, :)
       end associate
     end do
     allocate (border%side(3, problem%mortar%n, n + border%modes), border%own(n, n + border%modes))
@@ -123,14 +123,15 @@ contains
   subroutine list_modes(problem, border)
     type(problem_t), intent(in) :: problem   !< problem
     type(border_t), intent(inout) :: border  !< gets modes, body, kind
-    logical :: there(3)
+    logical :: there(6)
     integer :: b, k
     allocate (border%body(0), border%kind(0))
-    there = .not. border%symmetry%half_turn .and. border%symmetry%mirror /= [2, 1, 0]
+    there = .not. border%symmetry%half_turn .and. border%symmetry%mirror /= [2, 1, 0, 0, 1, 2]
     there(3) = border%symmetry%mirror == 0
+    there(4) = .true.
     if (allocated(problem%loose)) then
       do b = 1, size(problem%loose)
-        border%kind = [border%kind, pack([1, 2, 3], there .and. [1, 2, 3] >= problem%loose_from(b))]
+        border%kind = [border%kind, pack([1, 2, 3, 4, 5, 6], there .and. problem%loose_ways(:, b))]
         border%body = [border%body, (problem%loose(b), k=size(border%body) + 1, size(border%kind))]
       end do
     end if
@@ -141,7 +142,7 @@ contains
     border%modes = size(border%body)
   end subroutine list_modes
 
-  !> Add a rigid motion of a body: a translation of `amount`, or the turn that moves its first node by so much.
+  !> Add a rigid motion of a body: a translation of `amount`, or the turn that moves points at its first node's radius by so much.
   subroutine add_rigid_motion(self, problem, mode, amount, u)
     class(border_t), intent(in) :: self       !< border
     type(problem_t), intent(in) :: problem    !< problem of revolved bodies
@@ -152,26 +153,35 @@ contains
     associate (first => problem%first(self%body(mode)), nodes => problem%bodies(self%body(mode))%nodes())
       !$omp parallel do schedule(static) if(3*nodes > many)
       do i = first + 1, first + nodes
-        u(:2, i) = u(:2, i) + self%motion(mode, amount, i, first + 1)
+        u(:, i) = u(:, i) + self%motion(mode, amount, i, first + 1)
       end do
       !$omp end parallel do
     end associate
   end subroutine add_rigid_motion
 
-  !> The same of a node, along r and theta [m].
+  !> The same of a node, along r, theta, z [m].
   pure function motion_of_node(self, mode, amount, node, first) result(u)
     class(border_t), intent(in) :: self  !< border
     integer, intent(in) :: mode          !< motion
     real(dp), intent(in) :: amount       !< [m]
     integer, intent(in) :: node, first   !< and the first one of its body
-    real(dp) :: u(2)
+    real(dp) :: u(3)
+    u = 0
     select case (self%kind(mode))
     case (1)
-      u = [amount*self%cosine(node), -amount*self%sine(node)]
+      u(:2) = [amount*self%cosine(node), -amount*self%sine(node)]
     case (2)
-      u = [amount*self%sine(node), amount*self%cosine(node)]
+      u(:2) = [amount*self%sine(node), amount*self%cosine(node)]
+    case (3)
+      u(2) = amount*self%radius(node)/self%radius(first)
+    case (4)
+      u(3) = amount
+    case (5)
+      u = amount/self%radius(first)*[-(self%z(node) - self%z(first))*self%sine(node), &
+        -(self%z(node) - self%z(first))*self%cosine(node), self%radius(node)*self%sine(node)]
     case default
-      u = [0._dp, amount*self%radius(node)/self%radius(first)]
+      u = amount/self%radius(first)*[(self%z(node) - self%z(first))*self%cosine(node), &
+        -(self%z(node) - self%z(first))*self%sine(node), -self%radius(node)*self%cosine(node)]
     end select
   end function motion_of_node
 
@@ -189,7 +199,7 @@ contains
       !$omp parallel do schedule(static) private(i) if(3*nodes > many)
       do k = 1, nodes/block + 1
         do i = first + block*(k - 1) + 1, first + min(block*k, nodes)
-          part(k) = part(k) + dot_product(self%motion(mode, self%scale, i, first + 1), f(:2, i))
+          part(k) = part(k) + dot_product(self%motion(mode, self%scale, i, first + 1), f(:, i))
         end do
       end do
       !$omp end parallel do
@@ -222,20 +232,27 @@ contains
     class(border_t), intent(in) :: self     !< border
     type(problem_t), intent(in) :: problem  !< with strut_rate
     real(dp) :: d(size(self%active) + self%modes, size(self%active) + self%modes)
-    integer :: i, n
+    integer :: i, j, n
     n = size(self%active)
     d = 0
     d(:n, :n) = self%own(self%active, self%active)
     d(:n, n + 1:) = self%own(self%active, self%struts + 1:)
     d(n + 1:, :n) = transpose(d(:n, n + 1:))
     if (allocated(problem%strut_give)) d(:n, :n) = d(:n, :n) + problem%strut_give(self%active, self%active)
+    if (allocated(problem%groove)) then
+      do i = 1, count(self%active <= problem%groove%balls)
+        j = findloc(self%active, problem%groove%before + self%active(i), 1)
+        d(i, j) = d(i, j) + problem%groove%cross(self%active(i))
+        d(j, i) = d(j, i) + problem%groove%cross(self%active(i))
+      end do
+    end if
     do i = 1, n
       d(i, i) = d(i, i) + 1/problem%strut_rate(self%active(i))
     end do
     if (allocated(problem%rub)) call lean_rows(problem%rub, self%active, self%struts, problem%strut_rate, d)
     do i = 1, self%modes
       d(n + i, n + i) = -self%held(i)
-      if (self%kind(i) == 3 .and. .not. self%held(i) > 0) d(n + i, n + i) = -flat*self%scale
+      if (self%kind(i) > 2 .and. .not. self%held(i) > 0) d(n + i, n + i) = -flat*self%scale
     end do
   end function border_matrix
 

@@ -94,7 +94,7 @@ contains
         problem%spring(:, first + 1:first + m), circulant%bodies(b), error)
       if (allocated(error)) return
       if (allocated(problem%loose)) then
-        if (any(problem%loose == b)) call hold_loose(circulant%bodies(b), any(problem%loose == b .and. problem%loose_from > 1))
+        if (any(problem%loose == b)) call hold_loose(circulant%bodies(b), problem%loose_ways(:, findloc(problem%loose, b, 1)))
       end if
     end do
     call place_multipliers(problem, circulant)

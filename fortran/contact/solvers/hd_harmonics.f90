@@ -33,7 +33,7 @@ module hd_harmonics
     real(dp), allocatable :: ke(:, :, :)          !< their stiffness [N/m]
     real(dp), allocatable :: spring(:, :)         !< springs to the ground of a sector (3, nodes per sector) [N/m]
     type(band_t), allocatable :: factor(:)        !< by harmonic, 0:n/2
-    integer :: anchor(0:1) = 0                    !< dof that is held in this harmonic alone, 0: none (see hold_loose)
+    integer :: anchor(2, 0:1) = 0                 !< dofs that are held in this harmonic alone, 0: none (see hold_loose)
   end type harmonics_t
 
 contains
@@ -67,20 +67,22 @@ contains
     call sector_stiffness(body, harmonics%ke, error)
   end subroutine new_harmonics
 
-  !> Hold a body that may move in its plane, or only turn about the axis: a spring as stiff as the body itself on one
-  !> circumferential amplitude of harmonic 0 and on one radial amplitude of harmonic 1. Under forces in balance these springs carry
-  !> nothing, so
-  !> that displacements are exact up to the rigid motion, which whoever uses them adds (hd_border).
-  subroutine hold_loose(harmonics, turn_only)
+  !> Hold a body that may move as a whole by springs as stiff as the body itself at one node of the meridian: on the amplitudes
+  !> round and along the axis in harmonic 0, on the radial one and the one along the axis in harmonic 1. As many springs as motions
+  !> carry nothing under forces in balance, so that displacements are exact up to the rigid motion, which whoever uses them adds
+  !> (hd_border).
+  subroutine hold_loose(harmonics, ways)
     type(harmonics_t), intent(inout) :: harmonics  !< body, not factorised yet
-    logical, intent(in) :: turn_only               !< it is held in its plane
+    logical, intent(in) :: ways(6)                 !< that it may move: x, y, turn about the axis, z, turns about x and y
     integer :: a
     do a = 1, size(harmonics%equation, 2)
-      if (all(harmonics%equation(:2, a) > 0)) exit
+      if (all(harmonics%equation(:, a) > 0)) exit
     end do
     if (a > size(harmonics%equation, 2)) return  ! no node is free
-    harmonics%anchor(0) = harmonics%equation(2, a)
-    if (.not. turn_only) harmonics%anchor(1) = harmonics%equation(1, a)
+    associate (dof => harmonics%equation(:, a))
+      harmonics%anchor(:, 0) = merge(dof([2, 3]), 0, ways([3, 4]))
+      harmonics%anchor(:, 1) = merge(dof([1, 3]), 0, ways([1, 5]))
+    end associate
   end subroutine hold_loose
 
   !> Half band width of the folded sector matrix.
@@ -151,8 +153,10 @@ contains
       end do
     end do
     if (k > 1) return
-    i = harmonics%anchor(k)
-    if (i > 0) band(harmonics%width + 1, i) = 2*band(harmonics%width + 1, i)
+    do a = 1, 2
+      i = harmonics%anchor(a, k)
+      if (i > 0) band(harmonics%width + 1, i) = 2*band(harmonics%width + 1, i)
+    end do
   contains
     !> Add the 3 x 3 block between two nodes of cell c, folded into the first sector.
     subroutine add_block(row, column, even, odd)

@@ -133,6 +133,7 @@ contains
     type(problem_t), intent(in) :: problem   !< the same, deformed
     if (allocated(round%struts)) round%strut_rate = problem%strut_rate
     if (allocated(round%rub)) round%rub = problem%rub
+    if (allocated(round%groove)) round%groove = problem%groove
     round%wheel_turns = problem%wheel_turns
     if (round%mortar%serial == problem%mortar%serial) return
     if (moved_share(round%mortar, problem%mortar) <= beside) return

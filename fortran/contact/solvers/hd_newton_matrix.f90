@@ -130,6 +130,8 @@ contains
           call put(at, at, 0._dp)
           k = companion_of(problem, j)
           if (k > 0) call put(at, at - j + problem%rub%partner(k), 0._dp)
+          k = other_way(problem, j)
+          if (k > 0) call put(at, at - j + k, 0._dp)
           if (.not. allocated(problem%strut_give)) cycle
           do k = 1, matrix%struts
             call put(at, at - j + k, 0._dp)
@@ -163,6 +165,18 @@ contains
     companion_of = 0
     if (allocated(problem%rub)) companion_of = max(0, strut - size(problem%struts) + size(problem%rub%partner))
   end function companion_of
+
+  !> The other one of the two struts of a ball in its grooves, 0 for other struts.
+  pure integer function other_way(problem, strut)
+    type(problem_t), intent(in) :: problem  !< problem
+    integer, intent(in) :: strut            !< number
+    other_way = 0
+    if (.not. allocated(problem%groove)) return
+    associate (balls => problem%groove%balls, before => problem%groove%before)
+      if (strut <= balls) other_way = before + strut
+      if (strut > before .and. strut <= before + balls) other_way = strut - before
+    end associate
+  end function other_way
 
   !> Enter the present stiffness, in the order of lay_out.
   subroutine enter_stiffness(problem, matrix)
@@ -332,6 +346,8 @@ contains
         end do
         call enter(merge(-1/max(problem%strut_rate(j), tiny(1._dp)), -1/strut%rate, problem%strut_rate(j) > 0))
         if (i > 0) call enter(merge(problem%rub%lean(i), 0._dp, problem%strut_rate(j) > 0)/max(problem%strut_rate(j), tiny(1._dp)))
+        k = other_way(problem, j)
+        if (k > 0) call enter(-problem%groove%cross(min(j, k)))
         if (.not. allocated(problem%strut_give)) cycle
         do k = 1, self%struts
           call enter(merge(-problem%strut_give(j, k), 0._dp, holds .and. problem%strut_rate(k) > 0))

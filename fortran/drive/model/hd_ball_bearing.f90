@@ -1,17 +1,18 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Balls of the flexible bearing: struts of Hertz contact between the cam's inner race and the inner face of the outer ring, each on
-!> a patch of that face.
+!> a patch of that face; in their grooves they hold the ring along the axis too, each by a second strut.
 module hd_ball_bearing
   use hd_kinds, only: dp, pi
   use hd_ball_patch, only: ball_patch_t
   use hd_face, only: face_t
+  use hd_groove, only: groove_t
   use hd_hertz, only: point_contact_t, ball_on_race, contact_rate, in_series, semi_axes
   use hd_race, only: race_radius
   use hd_scene, only: scene_t
   use hd_strut, only: strut_t
   implicit none
   private
-  public :: ball_angles, ball_patches, ball_struts
+  public :: ball_angles, ball_patches, ball_struts, axial_struts, ball_grooves
 
   !> Force over the contact's modulus that its ellipse is taken at [m^2]: 100 N of steel.
   real(dp), parameter :: usual_load = 8.53e-10_dp
@@ -74,7 +75,7 @@ contains
     patch%width = min(z(2) - z(1), merge(scene%patch_width, max(axes(1), (z(2) - z(1))/(size(face%nodes, 2)/sectors)), &
       scene%patch_width > 0))
     patch%theta = ball_angles(scene)
-    patch%struts = size(patch%theta)
+    patch%lever = scene%outer_conformity*scene%ball_diameter
   end function ball_patches
 
   !> Struts of the balls on their patches.
@@ -91,4 +92,32 @@ contains
       call patch%place(i, struts(i), none)
     end do
   end function ball_struts
+
+  !> Struts of their ways along the axis; the law is that of their grooves.
+  pure function axial_struts(scene, patch) result(struts)
+    type(scene_t), intent(in) :: scene          !< scene
+    type(ball_patch_t), intent(in) :: patch     !< patches
+    type(strut_t) :: struts(scene%balls)
+    real(dp) :: none
+    integer :: i
+    struts%rate = ball_rate(scene)*sqrt(reach(scene))  ! scales their equations alone
+    struts%power = 1
+    struts%pulls = .true.
+    do i = 1, scene%balls
+      call patch%place(scene%balls + i, struts(i), none)
+    end do
+  end function axial_struts
+
+  !> Grooves of the balls, whose axial ways stand behind some struts.
+  pure type(groove_t) function ball_grooves(scene, before) result(groove)
+    type(scene_t), intent(in) :: scene   !< scene
+    integer, intent(in) :: before        !< struts
+    groove = groove_t(scene%balls, before, reach(scene), spread(0._dp, 1, scene%balls))
+  end function ball_grooves
+
+  !> Distance of the centres of a ball's grooves where all just touch [m].
+  pure real(dp) function reach(scene)
+    type(scene_t), intent(in) :: scene   !< scene
+    reach = (scene%inner_conformity + scene%outer_conformity - 1)*scene%ball_diameter
+  end function reach
 end module hd_ball_bearing

@@ -4,7 +4,8 @@
 !> A ball closes by the way of the cam less the mean over its patch of r - radius, with r the distance of the face from the axis at
 !> a fixed angle. Small displacements: r - radius = u_r of the points that lie there at rest. Large ones: of the points that have
 !> come there, and dr = g . du with g = normal/(normal . e_r), so that the ball pushes along the deformed face's normal and lets the
-!> ring turn under it.
+!> ring turn under it. The centre of its groove lies `lever` further in than the face: it moves along the axis by the mean of u_z
+!> and by lever times the mean slope of r - radius along the axis.
 module hd_ball_patch
   use hd_kinds, only: dp, pi
   use hd_face, only: face_t, shape_facet
@@ -26,6 +27,7 @@ module hd_ball_patch
     real(dp) :: z = 0                       !< of the middle [m]
     real(dp) :: angle = 0, width = 0        !< extent [rad], [m]
     real(dp), allocatable :: theta(:)       !< places of the balls [rad]
+    real(dp) :: lever = 0                   !< radius of the groove's section [m]
   contains
     procedure :: place => place_ball
     procedure :: foot => material_angle
@@ -33,27 +35,32 @@ module hd_ball_patch
 
 contains
 
-  !> Nodes and weights of a ball's strut, and what its closing has beside the displacements so weighted.
+  !> Nodes and weights of a ball's strut, and what its closing has beside the displacements so weighted. Behind the balls come their
+  !> ways along the axis.
   pure subroutine place_ball(self, i, strut, shift, u)
     class(ball_patch_t), intent(in) :: self        !< patches
     integer, intent(in) :: i                       !< which ball
     type(strut_t), intent(inout) :: strut          !< gets node, weight
     real(dp), intent(out) :: shift                 !< [m]
     real(dp), intent(in), optional :: u(:, :)      !< displacements (3, nodes of all bodies), if they may be large [m]
-    real(dp) :: theta, z, xi(2), g(2), v(2), n(8), turn
+    real(dp) :: theta, z, xi(2), g(2), v(2), n(8), turn, share
     integer :: j, k, l, a, f
+    logical :: axial
     shift = 0
     turn = 0
+    axial = i > size(self%theta)
     strut%node = [integer ::]
     strut%weight = reshape([real(dp) ::], [3, 0])
     do l = 1, samples
-      theta = self%theta(i) + self%angle*((l - 0.5_dp)/samples - 0.5_dp)
+      theta = self%theta(merge(i - size(self%theta), i, axial)) + self%angle*((l - 0.5_dp)/samples - 0.5_dp)
       do j = 1, samples
         z = self%z + self%width*((j - 0.5_dp)/samples - 0.5_dp)
+        share = -1._dp/samples**2
+        if (axial) share = 12*self%lever*(z - self%z)/(self%width**2*(samples**2 - 1))  ! of a line through all samples
         g = [1, 0]
         if (present(u)) then
           call follow_face(self, u, theta, z, turn, v, g, f, xi)
-          shift = shift + (dot_product(g, v) - (hypot(self%radius + v(1), v(2)) - self%radius))/samples**2
+          shift = shift + share*((hypot(self%radius + v(1), v(2)) - self%radius) - dot_product(g, v))
         else
           call find_facet(self, theta, z, f, xi)
         end if
@@ -65,7 +72,8 @@ contains
             a = size(strut%node)
             strut%weight = reshape([strut%weight, 0._dp, 0._dp, 0._dp], [3, a])
           end if
-          strut%weight(:2, a) = strut%weight(:2, a) - n(k)/samples**2*g
+          strut%weight(:2, a) = strut%weight(:2, a) + n(k)*share*g
+          if (axial) strut%weight(3, a) = strut%weight(3, a) + n(k)/samples**2
         end do
       end do
     end do
@@ -79,8 +87,10 @@ contains
     real(dp) :: turn, v(2), g(2), xi(2)
     integer :: f
     turn = 0
-    call follow_face(self, u, self%theta(i), self%z, turn, v, g, f, xi)
-    theta = self%theta(i) - turn
+    associate (place => self%theta(modulo(i - 1, size(self%theta)) + 1))
+      call follow_face(self, u, place, self%z, turn, v, g, f, xi)
+      theta = place - turn
+    end associate
   end function material_angle
 
   !> The point of the deformed face at an angle in space: its displacement, how its distance from the axis follows displacements,

@@ -5,7 +5,7 @@
 !> with contact.slave = 'cup'. Tractions and relative displacements are those of the cup against the ring in either case.
 module hd_drive
   use hd_kinds, only: dp, pi, hair
-  use hd_ball_bearing, only: ball_angles, ball_patches, ball_struts
+  use hd_ball_bearing, only: axial_struts, ball_angles, ball_grooves, ball_patches, ball_struts
   use hd_ball_patch, only: ball_patch_t
   use hd_cam, only: cam_t, new_cam, curve_t, new_curve
   use hd_error, only: error_t
@@ -54,7 +54,8 @@ module hd_drive
     integer, allocatable :: hub(:)           !< nodes at the inner edge of the bottom
     integer :: balls = 0                     !< of the struts the first are balls,
     integer :: flanks = 0                    !< the next flanks, two for each pair,
-    integer :: stays = 0                     !< then what keeps a ring from turning; last come companions of flanks that rub
+    integer :: stays = 0                     !< then what keeps a ring from turning and the axial ways of balls in grooves; last
+                                             !< come companions of flanks that rub
     real(dp), allocatable :: way(:)          !< radial way of the cam at the balls, less clearance, after the assembly [m]
     real(dp), allocatable :: slope(:)        !< its derivative round the axis; without balls at the nodes of `inner` [m/rad]
   end type drive_t
@@ -172,11 +173,13 @@ contains
     c(3, :) = body%x(3, :)
   end function cylindrical
 
-  !> Supports. The wave generator prescribes the ring's inner face, or the ends of the balls' springs that pull it. The ring is held
-  !> axially along the middle of that face.
+  !> Supports. The wave generator prescribes the ring's inner face, or the ends of the balls' springs that pull it. Where no grooves
+  !> do, the middle of that face holds the ring along the axis.
   subroutine hold(scene, drive)
     type(scene_t), intent(in) :: scene     !< scene
     type(drive_t), intent(inout) :: drive  !< gets its fixed dofs and springs
+    logical, parameter :: in_plane(6) = [.true., .true., .true., .false., .false., .false.]
+    logical, parameter :: turn(6) = [.false., .false., .true., .false., .false., .false.]
     integer, allocatable :: hub(:), inner(:), middle(:)
     real(dp) :: edge(2)
     associate (problem => drive%problem)
@@ -185,14 +188,14 @@ contains
       if (scene%ball_stiffness > 0) call set_on_balls(scene, drive)
       if (scene%support%struts .and. scene%balls > 0) then
         problem%fixed(1, inner) = .false.
-        call loosen(problem, drive%b_ring, 1)
+        call loosen(problem, drive%b_ring, in_plane .or. scene%in_grooves())
       else if (scene%ring_follows()) then
         problem%fixed(2, inner) = .true.
       else if (scene%support%struts) then
-        call loosen(problem, drive%b_ring, 3)
+        call loosen(problem, drive%b_ring, turn)
       else
         if (.not. scene%bonded()) call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
-        if (.not. scene%ring_lifts()) call loosen(problem, drive%b_ring, 3)
+        if (.not. scene%ring_lifts()) call loosen(problem, drive%b_ring, turn)
       end if
       if (scene%support%struts .and. allocated(problem%loose) .and. scene%frictionless()) then  ! nothing else resists its turn
         call add_springs(problem, inner, 2, scene%support_stiffness/size(inner))
@@ -200,11 +203,7 @@ contains
       associate (row => (size(drive%ring%inner, 2) + 1)/2)
         middle = nodes_on(drive, drive%b_ring, drive%ring%inner(:, row:row))
       end associate
-      if (scene%support%struts .and. scene%balls > 0 .and. scene%ball_axial > 0) then
-        call add_springs(problem, middle, 3, scene%ball_axial/size(middle))
-      else
-        problem%fixed(3, middle) = .true.
-      end if
+      problem%fixed(3, middle) = .not. scene%in_grooves()
       allocate (drive%sprung(0))
       drive%hub_radius = scene%hub_radius
       edge = [drive%cup%inner(2, size(drive%cup%inner, 2)), drive%cup%outer(2, size(drive%cup%inner, 2))]
@@ -217,7 +216,7 @@ contains
         drive%sprung = hub
         call add_springs(problem, hub, 1, scene%support_stiffness/size(hub))
         call add_springs(problem, hub, 2, scene%support_stiffness/size(hub))
-        call loosen(problem, drive%b_cup, 1)
+        call loosen(problem, drive%b_cup, in_plane)
       end if
     end associate
   end subroutine hold
@@ -235,10 +234,16 @@ contains
     associate (problem => drive%problem, ring => drive%problem%bodies(drive%b_ring))
       problem%struts = flank_struts(scene, problem%bodies(drive%b_cup), drive%rim, problem%first(drive%b_cup))
       drive%stays = 0
-      if (scene%large() .and. scene%balls > 0 .and. scene%frictionless()) call add_stay(drive)
+      if (scene%large() .and. scene%balls > 0 .and. scene%frictionless()) call add_stays(drive, [turn_stay(drive)])
       call strip_face(drive%ring, ring, 1, 1, size(drive%ring%inner, 2), drive%radius - scene%ring_thickness, inside)
       if (scene%balls > 0) then
         patch = ball_patches(scene, inside, ring%sectors, problem%first(drive%b_ring))
+        patch%struts = [(i, i=1, drive%balls)]
+        if (scene%in_grooves()) then
+          problem%groove = ball_grooves(scene, drive%balls + drive%flanks + drive%stays)
+          patch%struts = [patch%struts, problem%groove%before + patch%struts]
+          call add_stays(drive, axial_struts(scene, patch))
+        end if
         problem%struts = [ball_struts(scene, patch), problem%struts]
         if (allocated(problem%pairing)) problem%placing = patch
       end if
@@ -257,22 +262,32 @@ contains
 
   !> Without friction nothing resists the turn of a ring on balls, and large displacements let it drift. It is a body of revolution
   !> and may stand anywhere: a stay holds the mean of what its inner face has come round the axis, and nothing else.
-  subroutine add_stay(drive)
-    type(drive_t), intent(inout) :: drive   !< gets the stay behind its flanks
+  type(strut_t) function turn_stay(drive) result(stay)
+    type(drive_t), intent(in) :: drive   !< drive
+    stay%pulls = .true.
+    stay%power = 1
+    stay%rate = drive%problem%law%scale*drive%radius**2
+    stay%node = nodes_on(drive, drive%b_ring, drive%ring%inner)
+    allocate (stay%weight(3, size(stay%node)), source=0._dp)
+    stay%weight(2, :) = 1._dp/size(stay%node)
+  end function turn_stay
+
+  !> Put struts behind flanks and stays, before the companions of flanks; the balls are not there yet.
+  subroutine add_stays(drive, more)
+    type(drive_t), intent(inout) :: drive   !< gets them
+    type(strut_t), intent(in) :: more(:)    !< struts
     type(strut_t), allocatable :: struts(:)
     integer :: n
-    allocate (struts(size(drive%problem%struts) + 1))
-    n = drive%flanks + 1
-    struts(:n - 1) = drive%problem%struts(:n - 1)
-    struts(n + 1:) = drive%problem%struts(n:)
-    struts(n)%pulls = .true.
-    struts(n)%rate = drive%problem%law%scale*drive%radius**2
-    struts(n)%node = nodes_on(drive, drive%b_ring, drive%ring%inner)
-    allocate (struts(n)%weight(3, size(struts(n)%node)), source=0._dp)
-    struts(n)%weight(2, :) = 1._dp/size(struts(n)%node)
+    n = drive%flanks + drive%stays
+    associate (now => drive%problem%struts)
+      allocate (struts(size(now) + size(more)))
+      struts(:n) = now(:n)
+      struts(n + 1:n + size(more)) = more
+      struts(n + size(more) + 1:) = now(n + 1:)
+    end associate
     call move_alloc(struts, drive%problem%struts)
-    drive%stays = 1
-  end subroutine add_stay
+    drive%stays = drive%stays + size(more)
+  end subroutine add_stays
 
   !> The teeth touch, or lie apart by their clearances: offsets of the flanks at the end of the assembly, without friction yet.
   subroutine touch_teeth(scene, drive, u, state)

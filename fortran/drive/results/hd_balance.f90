@@ -21,6 +21,7 @@ module hd_balance
     real(dp) :: balance = 0         !< all moments, the load's, balls' and teeth's included: what is out of balance [N m]
     real(dp) :: lateral(2) = 0      !< all forces along x and y: the same [N]
     real(dp) :: hub_force(2) = 0    !< along x and y, that the bottom of the cup takes [N]
+    real(dp) :: axial_struts = 0    !< of balls in grooves along the axis [N]
   end type support_torques_t
 
 contains
@@ -57,6 +58,7 @@ contains
           call push(problem%struts(i), -force(i), strut)
         end do
         all = all + body_resultant(drive, state, strut, 1) + body_resultant(drive, state, strut, 2)
+        torque%axial_struts = sum(strut(3, :))
         do i = drive%balls + drive%flanks + 1, drive%balls + drive%flanks + drive%stays
           torque%ring_springs = torque%ring_springs - strut_moment(drive, state, i, force(i), drive%b_ring)
         end do

@@ -493,13 +493,13 @@ contains
       part(:, k) = 0
       do i = block*(k - 1) + 1, min(size(r, 2), block*k)
         associate (fixed => drive%problem%fixed(:, i))
-          part(1, k) = part(1, k) + merge(r(3, i), -drive%problem%spring(3, i)*state%u(3, i), fixed(3))
+          part(1, k) = part(1, k) + merge(r(3, i), 0._dp, fixed(3))
           if (i >= first .and. i <= last .and. .not. fixed(1)) part(2, k) = part(2, k) + (contact(1, i) + r(1, i))
         end associate
       end do
     end do
     !$omp end parallel do
-    sums%axial_balance = sum(part(1, :))
+    sums%axial_balance = sum(part(1, :)) + sums%torque%axial_struts
     sums%reaction_force = sums%normal_force + (sum(part(2, :)) + sums%reaction_force)
   end subroutine balance_forces
 

@@ -416,9 +416,11 @@ contains
     real(dp), intent(in) :: k_ts                      !< of Eq. 45 [N m/rad]
     real(dp), intent(in) :: shares(:)                 !< of a further twist by part
     type(error_t), allocatable, intent(out) :: error  !< disk full
-    real(dp) :: theta(scene%balls), place(scene%tooth_pairs), row(9), rub(drive%flanks)
+    real(dp) :: theta(scene%balls), axial(scene%balls), place(scene%tooth_pairs), row(9), rub(drive%flanks)
     integer :: i, n
     n = drive%balls
+    axial = 0
+    if (allocated(drive%problem%groove)) axial = loop%force(drive%problem%groove%before + 1:drive%problem%groove%before + n)
     rub = 0
     if (size(loop%force) > n + drive%flanks + drive%stays) rub = loop%force(n + drive%flanks + drive%stays + 1:)
     associate (teeth => merge(loop%force(n + 1:n + drive%flanks), 0._dp, &
@@ -444,6 +446,7 @@ contains
         call output%balls%add(loop%force(i))
         call output%balls%add(loop%force(i)/max(sum(loop%force(:n)), tiny(1._dp)))
         call output%balls%add(loop%closing(i))
+        call output%balls%add(axial(i))
         call output%balls%end_row(error)
       end do
       place = tooth_angles(scene)

@@ -99,7 +99,7 @@ contains
       'dissipated_teeth_j,wave_generator_torque_nm,ball_force_max_n,tooth_force_max_n,k_ts_nm_per_rad,'// &
       'balls_loaded,pairs_loaded'//shares, error)
     if (scene%balls > 0 .and. .not. allocated(error)) call output%balls%open(folder//'/balls.csv', &
-      place//',ball,theta_rad,force_n,share,closing_m', error)
+      place//',ball,theta_rad,force_n,share,closing_m,axial_force_n', error)
   end subroutine open_loop_tables
 
   !> Take up the folder of a stopped run. Grids that its checkpoint does not know, as of the step that it ended early with, go.

@@ -35,6 +35,7 @@ contains
     real(dp) :: force(3, drive%problem%n), w(3, size(bonded%points)), work(3)
     real(dp), allocatable :: closing(:), push(:)
     integer :: b, j
+    logical :: of_balls
     associate (problem => drive%problem, n => drive%balls)
       call elastic_forces(problem, bonded%du, force)
       do b = 1, 2
@@ -44,12 +45,16 @@ contains
       end do
       closing = [(closing_of(problem%struts(j), bonded%du), j=1, size(problem%struts))]
       push = linear_forces(problem, closing)
-      shares(3) = sum(problem%spring([1, 3], drive%inner)*bonded%du([1, 3], drive%inner)**2)  ! what stands for them, or beside
+      shares(3) = sum(problem%spring(1, drive%inner)*bonded%du(1, drive%inner)**2)  ! of springs that stand for them
       shares(2) = shares(2) - shares(3)
-      shares(3) = shares(3) + dot_product(push(:n), closing(:n))
-      shares(5) = 0
+      shares(4:5) = 0
+      do j = 1, size(push)
+        of_balls = j <= n
+        if (allocated(problem%groove)) of_balls = of_balls .or. (j > problem%groove%before .and. j <= problem%groove%before + n)
+        shares(merge(3, 4, of_balls)) = shares(merge(3, 4, of_balls)) + push(j)*closing(j)
+      end do
       if (allocated(problem%strut_give)) shares(5) = dot_product(push, matmul(problem%strut_give, push))
-      shares(4) = dot_product(push(n + 1:), closing(n + 1:)) - shares(5)
+      shares(4) = shares(4) - shares(5)
       shares(6:) = 0
       w = relative_displacement(problem%mortar, as_it_is%du)
       do j = 1, size(bonded%points)

@@ -240,6 +240,8 @@ contains
       end associate
       if (allocated(drive%problem%strut_give)) other%struts = other%struts .or. any(abs(other%drive%problem%strut_give - &
         drive%problem%strut_give) > 0)
+      if (allocated(drive%problem%groove)) other%struts = other%struts .or. abs(other%drive%problem%groove%reach - &
+        drive%problem%groove%reach) > 0
       other%struts = other%struts .or. any(abs(other%drive%way - drive%way) > 0)
     end if
     if (other%whole) then
@@ -258,6 +260,7 @@ contains
       light%problem%struts = other%drive%problem%struts
       light%problem%strut_rate = other%drive%problem%strut_rate
       if (allocated(drive%problem%strut_give)) light%problem%strut_give = other%drive%problem%strut_give
+      if (allocated(drive%problem%groove)) light%problem%groove = other%drive%problem%groove
     end if
   end subroutine compare_drives
 

@@ -10,6 +10,7 @@ module hd_tangent_slopes
   use hd_coupled_tangent, only: answer_t, coupled_response, glued_response, joint_points
   use hd_drive, only: drive_t, drive_load, step_friction, strut_load
   use hd_error, only: error_t
+  use hd_groove, only: groove_curvature
   use hd_joint, only: joint_t, at_friction
   use hd_linear_solver, only: linear_solver_t
   use hd_load_path, only: place_t, torque_at
@@ -223,6 +224,7 @@ contains
     integer, intent(in) :: k                    !< sign
     real(dp), intent(inout) :: by_u(:, :)       !< gets them (3, n)
     real(dp), allocatable :: closing(:)
+    real(dp) :: g(2)
     type(load_t) :: load
     integer :: i
     if (.not. allocated(drive%problem%struts)) return
@@ -230,8 +232,16 @@ contains
     closing = strut_closings(drive%problem, load, top%u)
     do i = 1, size(closing)
       associate (s => drive%problem%struts(i))
-        if (closing(i) > 0 .and. s%power > straight) call push(s, -k*s%power*(s%power - 1)*s%rate*closing(i)**(s%power - 2)* &
-          closing_of(s, lambda)*closing_of(s, du), by_u)
+        if (allocated(drive%problem%groove) .and. i <= drive%balls) then
+          associate (axial => drive%problem%struts(drive%problem%groove%before + i))
+            g = groove_curvature(drive%problem%groove, s, closing(i), closing(drive%problem%groove%before + i), &
+              [closing_of(s, lambda), closing_of(axial, lambda)], [closing_of(s, du), closing_of(axial, du)])
+            call push(s, -k*g(1), by_u)
+            call push(axial, -k*g(2), by_u)
+          end associate
+        else if (closing(i) > 0 .and. s%power > straight) then
+          call push(s, -k*s%power*(s%power - 1)*s%rate*closing(i)**(s%power - 2)*closing_of(s, lambda)*closing_of(s, du), by_u)
+        end if
       end associate
     end do
   end subroutine add_curvature

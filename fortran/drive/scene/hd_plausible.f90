@@ -42,7 +42,6 @@ module hd_plausible
     usual_t('wave_generator.perimeter_length', 0.03_dp, 1.3_dp), &
     usual_t('bearing.ball_diameter', 0.5e-3_dp, 50e-3_dp), usual_t('bearing.groove_depth', 1e-6_dp, 10e-3_dp), &
     usual_t('bearing.clearance', 1e-8_dp, 1e-4_dp), usual_t('bearing.ball_e', 1e9_dp, 5e11_dp), &
-    usual_t('bearing.axial_stiffness', 1e5_dp, 1e9_dp), &
     usual_t('bearing.ball_rate', 1e8_dp, 1e12_dp), usual_t('bearing.patch_length', 1e-6_dp, 20e-3_dp), &
     usual_t('bearing.patch_width', 1e-6_dp, 20e-3_dp), usual_t('fatigue.tensile_strength', 2e7_dp, 4e9_dp), &
     usual_t('fatigue.fatigue_limit', 1e7_dp, 2e9_dp), usual_t('load.pressure_angle_deg', 5._dp, 50._dp), &

@@ -66,7 +66,8 @@ module hd_scene
     integer :: balls = 21
     real(dp) :: ball_diameter = 3.2e-3_dp, inner_conformity = 0.52_dp, outer_conformity = 0.52_dp, ball_clearance = 0
     real(dp) :: groove_depth = 0, cage_angle_deg = 0, ball_e = 208e9_dp, ball_nu = 0.3_dp, patch_length = 0, patch_width = 0, &
-      ball_rate = 0, ball_axial = 0
+      ball_rate = 0
+    character(len=name_length) :: axial_hold = 'fast'
     ! loop: torques of the whole drive
     real(dp) :: torques(most_torques) = 0, torque_1 = 2, torque_2 = 6.9_dp, rated_torque = 7.8_dp
     integer :: torque_count = 1
@@ -107,6 +108,7 @@ module hd_scene
     procedure :: ring_lifts
     procedure :: ring_follows
     procedure :: slides_on_cam
+    procedure :: in_grooves
     procedure :: turned
     procedure :: differentiable
     procedure :: wants_band
@@ -177,6 +179,12 @@ contains
     class(scene_t), intent(in) :: self  !< scene
     slides_on_cam = self%support%struts .and. self%balls == 0 .and. .not. self%ring_follows()
   end function slides_on_cam
+
+  !> The grooves of its balls hold the ring along the axis.
+  pure logical function in_grooves(self)
+    class(scene_t), intent(in) :: self  !< scene
+    in_grooves = self%support%struts .and. self%balls > 0 .and. self%axial_hold == 'grooves'
+  end function in_grooves
 
   !> The answer is that of a drive whose wave generator has turned.
   pure logical function turned(self)

@@ -7,6 +7,7 @@
 !> meshes corrects them, where two meshes agree on it: the fine ones are then solved without.
 module hd_planner
   use hd_kinds, only: dp
+  use hd_attempts, only: attempts_t
   use hd_coarse_start, only: has_coarser
   use hd_cost, only: estimate_memory_mb, allowed_memory_mb, check_memory
   use hd_error, only: error_t, code_not_converged
@@ -51,6 +52,7 @@ module hd_planner
     real(dp) :: doubt(values) = 0               !< estimated errors of the limits by the meshes, relative
     integer :: level = 0                        !< of the series of meshes; 0: nothing could be estimated
     logical :: met = .false.                    !< the estimate is within the tolerance
+    type(attempts_t) :: attempts                !< of the trial that was of `scene`, if it was the last
   end type plan_t
 
 contains
@@ -401,6 +403,7 @@ contains
     call move_alloc(model, trials%model)
     call plan_scene(trials, scene, plan, error)
     call move_alloc(trials%model, model)
+    if (.not. allocated(error)) call trials%hand_over(plan%scene, plan%attempts)
     plan%begun = trials%begun
   end subroutine make_plan
 
@@ -410,6 +413,7 @@ contains
     type(run_t), intent(inout) :: run       !< run of its scene
     run%record%timers%seconds(in_plan) = run%clock - plan%begun
     run%clock = plan%begun
+    if (.not. run%record%resumed) run%attempts = plan%attempts
     call note(plan, 'solver '//trim(run%model%solver%name)//': least predicted time; symmetry '//trim(run%scene%symmetry)// &
       ': found from load and state, step by step')
     run%record%planned_tolerance = run%scene%planned_tolerance

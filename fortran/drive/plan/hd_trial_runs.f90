@@ -3,6 +3,7 @@
 !> remembered, and kept in plan.csv of the run's folder, so that a stopped plan goes on where it was.
 module hd_trial_runs
   use hd_kinds, only: dp
+  use hd_attempts, only: attempts_t
   use hd_checkpoint, only: check_same_scene
   use hd_checksum, only: checksum, hexadecimal
   use hd_clock, only: wall_seconds
@@ -12,7 +13,7 @@ module hd_trial_runs
   use hd_load_path, only: path_end
   use hd_log, only: set_log_level, say, quiet, verbose
   use hd_march, only: march
-  use hd_model, only: model_t
+  use hd_model, only: model_t, forget_states
   use hd_new_file, only: new_file_t
   use hd_output, only: result_files
   use hd_pressure_patches, only: patch_pressures
@@ -45,6 +46,8 @@ module hd_trial_runs
     integer :: before = 0                    !< runs that were known when it began
     type(promise_t) :: promised(promises)    !< what is promised
     type(model_t), allocatable :: model      !< of the last run, for the next one
+    type(attempts_t) :: attempts             !< of the last run, unless displacements are large,
+    type(string_t) :: last                   !< which is this one
     type(string_t), allocatable :: name(:)   !< meshes that are solved
     type(probe_t), allocatable :: known(:)   !< and their results
   contains
@@ -52,6 +55,7 @@ module hd_trial_runs
     procedure :: seconds_of
     procedure :: balls_of
     procedure :: foretell
+    procedure :: hand_over
   end type trial_runs_t
 
 contains
@@ -105,7 +109,9 @@ contains
     if (level == verbose) call set_log_level(verbose)
     allocate (run)
     call move_alloc(self%model, run%model)
+    call forget_states(run%model)
     call new_run(s, '', '', .false., run, error)
+    run%attempts%keeps = .not. (s%large() .or. s%support%against_teeth)
     run%asks_tangent = .not. scene%support%loop  ! not promised there
     if (.not. allocated(error)) call march(run, path_end(run%scene), error)
     if (.not. allocated(error)) then
@@ -125,11 +131,25 @@ contains
     end if
     new%q = q
     new%seconds = wall_seconds() - new%seconds
-    call push(self%name, name_of(scene))
+    self%last%s = name_of(scene)
+    call push(self%name, self%last%s)
     self%known = [self%known, new]
+    self%attempts = attempts_t(start=run%tally%start)
+    call move_alloc(run%attempts%list, self%attempts%list)
     call say(log_line(scene, new))
     call keep(self, error)
   end subroutine try
+
+  !> Attempts of the last run, if it was of a scene: none otherwise.
+  subroutine hand_over(self, scene, attempts)
+    class(trial_runs_t), intent(inout) :: self     !< results
+    type(scene_t), intent(in) :: scene             !< scene on its mesh
+    type(attempts_t), intent(inout) :: attempts    !< gets them
+    if (.not. allocated(self%last%s)) return
+    if (self%last%s /= name_of(scene)) return
+    call move_alloc(self%attempts%list, attempts%list)
+    attempts%start = self%attempts%start
+  end subroutine hand_over
 
   !> What a stop while planning leaves.
   function stopped(self) result(text)

@@ -134,8 +134,9 @@ contains
     self%last%s = name_of(scene)
     call push(self%name, self%last%s)
     self%known = [self%known, new]
-    self%attempts = attempts_t(start=run%tally%start)
-    call move_alloc(run%attempts%list, self%attempts%list)
+    run%attempts%start = run%tally%start
+    run%attempts%keeps = .false.
+    call run%attempts%hand_on(self%attempts)
     call say(log_line(scene, new))
     call keep(self, error)
   end subroutine try
@@ -147,8 +148,7 @@ contains
     type(attempts_t), intent(inout) :: attempts    !< gets them
     if (.not. allocated(self%last%s)) return
     if (self%last%s /= name_of(scene)) return
-    call move_alloc(self%attempts%list, attempts%list)
-    attempts%start = self%attempts%start
+    call self%attempts%hand_on(attempts)
   end subroutine hand_over
 
   !> What a stop while planning leaves.

@@ -3,6 +3,7 @@
 !> solving it a second time. Every bit, count and row of its history is then that of a run that solves them.
 module hd_attempts
   use hd_kinds, only: dp
+  use hd_checkpoint, only: flexibility_t
   use hd_load_path, only: place_t
   use hd_newton, only: iteration_t
   use hd_problem, only: state_t, move_state
@@ -23,16 +24,27 @@ module hd_attempts
     character(len=8) :: symmetry = ''              !< part that was solved
   end type attempt_t
 
+  !> Tangent of a load step that was booked.
+  type :: tangent_t
+    integer :: step = 0                            !< its number
+    type(flexibility_t) :: flexibility             !< with those of the steps before
+    logical :: certain = .true.                    !< it is
+  end type tangent_t
+
   !> Attempts one after the other.
   type :: attempts_t
     logical :: keeps = .false.                     !< further ones are to be added
     character(len=32) :: start = ''                !< mesh that gave the first guesses
     integer :: taken = 0                           !< so many have been taken over
     type(attempt_t), allocatable :: list(:)
+    type(tangent_t), allocatable :: tangents(:)    !< of the steps that got one
   contains
     procedure :: add
     procedure :: take
+    procedure :: add_tangent
+    procedure :: take_tangent
     procedure :: left
+    procedure :: hand_on
   end type attempts_t
 
 contains
@@ -67,8 +79,38 @@ contains
       if (found) call move(next, attempt)
     end associate
     self%taken = self%taken + 1
-    if (.not. found) deallocate (self%list)
+    if (found) return
+    deallocate (self%list)
+    if (allocated(self%tangents)) deallocate (self%tangents)
   end subroutine take
+
+  !> Keep the tangent of a load step, where attempts are kept.
+  subroutine add_tangent(self, step, flexibility, certain)
+    class(attempts_t), intent(inout) :: self         !< grows
+    integer, intent(in) :: step                      !< its number
+    type(flexibility_t), intent(in) :: flexibility   !< of the run after it
+    logical, intent(in) :: certain                   !< it is
+    if (.not. self%keeps) return
+    if (.not. allocated(self%tangents)) allocate (self%tangents(0))
+    self%tangents = [self%tangents, tangent_t(step, flexibility, certain)]
+  end subroutine add_tangent
+
+  !> Take over the tangent of a load step, if there is one.
+  subroutine take_tangent(self, step, flexibility, certain, found)
+    class(attempts_t), intent(in) :: self               !< attempts
+    integer, intent(in) :: step                         !< its number
+    type(flexibility_t), intent(inout) :: flexibility   !< gets it
+    logical, intent(inout) :: certain                   !< the same
+    logical, intent(out) :: found                       !< there is one
+    integer :: i
+    found = .false.
+    if (.not. allocated(self%tangents) .or. self%keeps) return
+    i = findloc(self%tangents%step, step, 1)
+    found = i > 0
+    if (.not. found) return
+    flexibility = self%tangents(i)%flexibility
+    certain = self%tangents(i)%certain
+  end subroutine take_tangent
 
   !> There are attempts to be taken over.
   pure logical function left(self)
@@ -76,6 +118,17 @@ contains
     left = .false.
     if (allocated(self%list) .and. .not. self%keeps) left = self%taken < size(self%list)
   end function left
+
+  !> Give all of them to the next holder.
+  subroutine hand_on(self, to)
+    class(attempts_t), intent(inout) :: self   !< empty afterwards
+    type(attempts_t), intent(inout) :: to      !< gets them
+    to%keeps = self%keeps
+    to%start = self%start
+    to%taken = self%taken
+    call move_alloc(self%list, to%list)
+    call move_alloc(self%tangents, to%tangents)
+  end subroutine hand_on
 
   !> Let an attempt become another's without a copy of its state.
   subroutine move(from, to)

@@ -213,6 +213,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< files
     character(len=100) :: line
     real(dp) :: stress
+    logical :: known
     call run%record%timers%book(in_newton)
     run%step%number = run%step%number + 1
     run%step%seconds = wall_seconds() - run%step_clock
@@ -223,8 +224,12 @@ contains
     end if
     call run%record%timers%book(in_fields)
     run%flexibility%known = run%flexibility%known .and. wants_tangent(run)
-    if (wants_tangent(run)) call find_flexibility(run, error)
-    if (allocated(error)) return
+    if (wants_tangent(run)) then
+      call run%attempts%take_tangent(run%step%number, run%flexibility, run%certain, known)
+      if (.not. known) call find_flexibility(run, error)
+      if (allocated(error)) return
+      call run%attempts%add_tangent(run%step%number, run%flexibility, run%certain)
+    end if
     call enter_stiffness(run)
     call run%record%timers%book(in_stiffness)
     associate (c => run%state%contact)

@@ -14,7 +14,7 @@ module hd_planner
   use hd_log, only: say
   use hd_mesh_series, only: levels, coarse, first_judged, first_level, expected_error, fine, share, share_of_four, &
     meshed, extrapolate, small_displacements
-  use hd_model, only: model_t, give_back
+  use hd_model, only: model_t, forget_states, give_back
   use hd_promises, only: promise_t, promises, values, promises_of, wanted_of, k_of_steps, every_second, &
     is_field, relative
   use hd_trial_runs, only: trial_runs_t, new_trial_runs, growth
@@ -404,6 +404,7 @@ contains
     call plan_scene(trials, scene, plan, error)
     call move_alloc(trials%model, model)
     if (.not. allocated(error)) call trials%hand_over(plan%scene, plan%attempts)
+    if (.not. plan%attempts%left()) call forget_states(model)  ! as where the plan goes on with its last run
     plan%begun = trials%begun
   end subroutine make_plan
 

@@ -6,7 +6,7 @@ Promised are limits on fine meshes (hd_promises): tangent K_TS of the last load 
 and its peak, the pressure field, and K_FTS, which every eighth scene is for. Fields are compared by their means over 16 x 4 equal patches,
 in the norm; K_TS of all steps by the step that errs most. The reference of a scene
 takes three meshes of the series with its own kinematics, twice the layers, edge cells half as long and twice the load steps: the finest
-that a plan of it solved and the next two; where the third would take more than LONGEST seconds, the one below takes its place. The second
+that a plan of it solved, or that of 16 rows, and the next two; where the third would take more than LONGEST seconds, the one below takes its place. The second
 may take twice as long. The line through them over the length of the facets to the power of 3/2 gives what is true. What the line through
 the last two gives beside that is the reference's doubt. A result is judged where its doubt is below SETTLED of the tolerance, a promise
 where all its results are or one is beyond the tolerance.
@@ -37,6 +37,7 @@ DRIVE_NAMES = tuple(n for n in PROMISES if n in hdengine._engine.names("loop"))
 NAMES = {n: words for n, words in PROMISES.items() if n not in DRIVE_NAMES}
 DRIVES = ("drive11", "drive14", "drive17", "drive20", "drive25", "drive32", "drive40", "drive20_50", "drive20_160", "drive14_hat")
 POWER = 1.5
+JUDGING = 5   # level of a reference at least: 16 rows
 LIMIT_MB = 300
 TEETH_MB = 2000   # bonded faces are solved with all their unknowns
 LIMIT_S = 900
@@ -114,7 +115,7 @@ def planned(data, keys, tolerance, folder, memory_mb=None):
 
 def reference(data, keys, made, folder):
     """Results of three meshes from the finest of the plans on, or from the one below, by level, and the CPU seconds of each."""
-    level = max(run["level"] for run in made)
+    level = max(JUDGING, *(run["level"] for run in made))
     layers = 2 * max(run["layers"] for run in made)
     steps = [2 * max(run["load_steps"][k] for run in made) for k in range(2)]
     band = keys.get("geometry.band_length") or made[0]["band_length"]

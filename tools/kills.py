@@ -4,7 +4,6 @@
 
 Press fits, drives and plans get SIGKILL, SIGTERM or SIGINT up to three times and go on with --resume; studies and joints are begun again. In the
 end every table must be that of a run that nobody disturbed, to the byte but for the columns of seconds, and no stop may leave a complete record.
-Of a plan the iterations may differ too: its last run begins from the trial of its mesh, which a plan that goes on has no longer.
 """
 import argparse
 import random
@@ -40,16 +39,14 @@ def commands(folder):
 def table(path):
     """Bytes of a table without what differs from run to run."""
     lines = path.read_text().splitlines()
-    free = ("seconds", "checksum") + ("iterations",) * (path.parent / "plan.csv").exists()   # the checksum is of seconds too
-    times = [k for k, name in enumerate(lines[0].split(",")) if name in free or name.endswith(("_s", "_mb"))]
+    times = [k for k, name in enumerate(lines[0].split(",")) if name in ("seconds", "checksum") or name.endswith(("_s", "_mb"))]   # the checksum is of seconds too
     return [[cell for k, cell in enumerate(line.split(",")) if k not in times] for line in lines]
 
 
 def contents(out):
     """What must be the same: tables and grids by name."""
-    of_plan = ("history.csv",) if (out / "plan.csv").exists() else ()
     return {path.name: table(path) if path.suffix == ".csv" else path.read_bytes() for path in sorted(out.rglob("*"))
-            if path.suffix in (".csv", ".vtu", ".pvd", ".nml") and "/points/" not in str(path) and path.name not in of_plan}
+            if path.suffix in (".csv", ".vtu", ".pvd", ".nml") and "/points/" not in str(path)}
 
 
 def main():

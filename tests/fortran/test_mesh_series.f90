@@ -31,11 +31,18 @@ contains
     call check(estimate(3) > 0.01_dp, 'what it changed of the limit is its error')
     call check(abs(limit(4) - 2) < 2*estimate(4), &
       'the estimate covers half of a first order taken for one of three halves')
-    do i = 1, 3
-      scene%planned_tolerance = x(i)
-      call check(first_level(scene) >= first_judged .and. expected_error(first_level(scene), scene) <= x(i), &
-        'the first level may keep the promise')
+    call extrapolate(q(:, :3), limit, estimate)
+    call check_close(limit(1), 2._dp, 1e-12_dp, 'three meshes give the line as well')
+    call check(estimate(1) > norm2([0.024_dp*2, 5/8._dp**1.5_dp])*(1 - 1e-9_dp), 'but agree by chance: that is added to the way')
+    call check(first_judged(scene) == 5, 'pressures are judged from 16 rows on')
+    do i = 1, 6
+      if (i == 4) scene%support = support_of('drive')
+      scene%planned_tolerance = x(modulo(i - 1, 3) + 1)
+      call check(first_level(scene) >= first_judged(scene) .and. &
+        expected_error(first_level(scene), scene) <= scene%planned_tolerance, 'the first level may keep the promise')
     end do
+    call check(first_judged(scene) == 3, 'readings of a loop are judged from 8 rows on')
+    scene%support = support_of('hub')
     scene%planned_tolerance = least_tolerance
     call check(maxval(least_error(scene)) < least_tolerance .and. expected_error(levels, scene) < least_tolerance, &
       'the finest level may keep the least promise')

@@ -406,7 +406,7 @@ def test_a_planned_drive_promises_k1_to_k3(exe, tmp_path):
     assert rows["ball_stiffness_n_per_m"].min() > 1e8
 
 
-@pytest.mark.parametrize("tolerance, chosen", [(0.5, "rigid"), (0.2, "even spring"), (0.02, "on its balls")])
+@pytest.mark.parametrize("tolerance, chosen", [(0.5, "rigid"), (0.3, "even spring"), (0.02, "on its balls")])
 def test_the_plan_takes_the_simplest_wave_generator(exe, tolerance, chosen):
     """A rigid one, an even spring as stiff as all balls, or the balls: what changes K1 to K3 by less than half the tolerance."""
     done = call(exe, "--plan", ROOT / "tests/cases/pressed_drive.nml", *NARROW, f"run.tolerance={tolerance}", "solver.kinematics=linear")

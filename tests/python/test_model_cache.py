@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import hdengine
-from conftest import ROOT
+from conftest import CD14, ROOT
 
 BASE = {"mesh__divisions": 24, "mesh__band_facets": 4, "load__torque_steps": 1, "load__assembly_steps": 1}
 
@@ -77,3 +77,13 @@ def test_runs_leave_no_memory_behind():
     only the harmonics are lost)."""
     done = subprocess.run([sys.executable, "-c", GROWTH], capture_output=True, text=True, check=True)
     assert float(done.stdout.split()[-1]) < 15
+
+
+def test_states_of_a_known_assembly_stay(tmp_path):
+    """At a loose residual open points are found closed when their state is judged again: an assembly that is taken over keeps its states, point by point."""
+    keys = {"mesh.divisions": 24, "mesh.band_facets": 6, "mesh.edge_length": 2.5e-4, "load.assembly_steps": 1, "load.torque_steps": 1, "solver.tolerance": 0.01,
+            "output.contact": "all", "output.vtu": "none"}
+    hdengine.forget()
+    first, again = (hdengine.run(CD14, tmp_path / name, **keys) for name in ("first", "again"))
+    assert again.steps["iterations"][0] == 0 < first.steps["iterations"][0]
+    assert (again.contact["state"] == first.contact["state"]).all()

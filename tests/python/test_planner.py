@@ -66,6 +66,22 @@ def test_limits_are_those_of_the_line_through_three_meshes(whole):
     assert f"tangent K_TS {limits[PROMISED[0]][0]:.4g} N m/rad within" in repr(hdengine.load(whole[0]))
 
 
+def test_a_drive_is_judged_by_three_meshes(exe, tmp_path):
+    """A first rise at tolerance 0.05 ends on 8 rows: limits are those of the line through 4, 6 and 8, by numpy, known no better than to 2.4 %, and the run is the trial."""
+    solved(exe, tmp_path / "p", ROOT / "data/drive25.nml", "run.tolerance=0.05", "solver.kinematics=linear", "loop.torques=61", "run.band=.false.", "output.vtu=none")
+    s, reasons = planned(tmp_path / "p")
+    assert s["plan"]["met"] == "yes" and s["plan"]["level"] == 3 and s["scene"]["mesh.band_facets"] == 8, reasons
+    meshes = {int(re.match(r"\d+x(\d+)_", row["mesh"])[1]): row for row in csv.DictReader((tmp_path / "p/plan.csv").open())
+              if f"_steps_{s['scene']['load.assembly_steps']}_{s['scene']['load.torque_steps']}_" in row["mesh"] and "balls_0_" not in row["mesh"]}
+    rows = np.array([4.0, 6.0, 8.0])
+    for name in ("k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad"):
+        q = [float(meshes[n][name]) for n in (4, 6, 8)]
+        limit, error, _ = hdengine.load(tmp_path / "p").limits[name]
+        assert limit == pytest.approx(np.polyfit(rows**-1.5, q, 1)[1], rel=1e-9)
+        assert error > np.hypot(0.024, q[2] / limit - 1)
+        assert s["results"][name] == pytest.approx(q[2], rel=1e-12)
+
+
 def test_what_a_scene_does_not_have_is_not_promised(exe, tmp_path):
     """No pressure where the middle of the band is open, no rotation without a torque: no limit, no estimate, no word in the log."""
     done = call(exe, CD14, *NARROW, "run.tolerance=0.3", "solver.kinematics=linear", "wave_generator.clearance=30e-6",

@@ -106,6 +106,24 @@ def test_a_run_taken_up_after_every_load_step_leaves_the_same_folder(exe, tmp_pa
         keys.get("solver.start") == "coarser")
 
 
+@pytest.mark.parametrize(("scene", "keys"), [
+    ("cd14", {"run.tolerance": 0.5, "load.torque_steps": 1}),
+    ("cd14", {"run.tolerance": 0.5, "load.support": "bearing", "load.torque": 10.0, "solver.max_iterations": 11, "solver.kinematics": "linear", "solver.start": "rest"}),
+    ("../tests/cases/pressed_drive", {"run.tolerance": 0.4, "solver.kinematics": "linear", "loop.torques": "6,0", "load.tooth_friction": 0.1, "turning.positions": 1}),
+], ids=["fit", "cuts", "drive"])
+def test_a_plan_that_goes_on_with_its_last_run_leaves_the_same_folder(exe, tmp_path, scene, keys):
+    """What is left of the plan is its table: the run solves what it would have taken over from the trial of its mesh, and the folder is the same, byte for byte."""
+    words = [ROOT / f"data/{scene}.nml", *(f"{k}={v}" for k, v in keys.items())]
+    assert call(exe, *words, "--out", tmp_path / "whole").returncode == 0
+    (tmp_path / "cut").mkdir()
+    for name in ("plan.nml", "plan.csv"):
+        shutil.copy(tmp_path / "whole" / name, tmp_path / "cut")
+    assert call(exe, *words, "--out", tmp_path / "cut", "--resume").returncode == 0
+    whole, cut = contents(tmp_path / "whole"), contents(tmp_path / "cut")
+    assert sorted(cut) == sorted(whole) and [name for name in whole if cut[name] != whole[name]] == []
+    assert (whole["summary.json"][".results.cut_backs"] > 0) == ("solver.max_iterations" in keys)
+
+
 def test_a_resumed_run_with_every_group_away_from_its_default_has_the_same_summary(exe, tmp_path):
     """Friction of the torque, joint, supports, cells: left after the assembly and after a torque step, every number is the same."""
     words = WORDS + [f"{k}={v}" for k, v in AWAY.items()]

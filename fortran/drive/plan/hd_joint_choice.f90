@@ -65,7 +65,7 @@ contains
     type(run_t), allocatable :: run
     type(scene_t) :: s
     integer :: level
-    s = meshed(scene, coarse)
+    s = meshed(scene, coarse(scene))
     if (s%divisions*band_rows(s) >= scene%divisions*band_rows(scene)) s = scene
     s = small_displacements(s)
     s%planned_tolerance = 0

@@ -16,25 +16,36 @@ module hd_mesh_series
   integer, parameter :: band(13) = [4, 6, 8, 12, 16, 22, 32, 46, 64, 90, 128, 181, 256]
   integer, parameter :: levels = 10             !< of a plan
   integer, parameter :: finest = size(band)     !< of the series
-  integer, parameter :: coarse = 3              !< level on which kinematics and load steps are chosen
   integer, parameter :: fewest_sectors = 16, sectors_of = 4  !< round the axis, and what their number is a multiple of: quarters
-  integer, parameter :: first_judged = 5        !< coarser meshes agree by chance
   real(dp), parameter :: aspect = 1.6_dp        !< facets are so much longer round the axis than along it
   real(dp), parameter :: edge_cells = 8         !< cells at the band's edges are so much shorter than its rows
   real(dp), parameter :: power = 1.5_dp         !< of h
+  real(dp), parameter :: chance = 0.024_dp      !< relative error of limits by three meshes however well they agree: K3 of 11 drives
   real(dp), parameter :: fine = 0.03_dp         !< tolerance below which the error of two layers is corrected
   real(dp), parameter :: share_of_four = 0.35_dp  !< of the error that two layers leave, left by four
   real(dp), parameter :: share = 0.45_dp        !< of it, left by a correction from a coarse mesh (31 random scenes: 0.1 to 0.45)
   real(dp), parameter :: least_tolerance = 6.6e-3_dp  !< what a correction leaves, rounded up
-  !> Estimated error of limits, times rows^power: the median of these scenes, and of whole drives.
-  real(dp), parameter :: typical = 1.4_dp, typical_drive = 5
+  !> Estimated error of limits, times rows^power: the median of these scenes, and of 12 drives.
+  real(dp), parameter :: typical = 1.4_dp, typical_drive = 0.9_dp
 
 contains
+
+  !> Level on which kinematics, wave generator and load steps are chosen.
+  pure integer function coarse(scene)
+    type(scene_t), intent(in) :: scene  !< scene
+    coarse = merge(2, 3, scene%support%loop)
+  end function coarse
+
+  !> First level that is judged: pressures agree by chance on coarser ones. Readings of a loop are judged by three meshes.
+  pure integer function first_judged(scene)
+    type(scene_t), intent(in) :: scene  !< scene
+    first_judged = merge(3, 5, scene%support%loop)
+  end function first_judged
 
   !> Level on which the tolerance is met as a rule.
   pure integer function first_level(scene) result(level)
     type(scene_t), intent(in) :: scene  !< scene with a tolerance
-    do level = first_judged, levels - 1
+    do level = first_judged(scene), levels - 1
       if (expected_error(level, scene) <= scene%planned_tolerance) return
     end do
   end function first_level
@@ -43,7 +54,8 @@ contains
   pure real(dp) function expected_error(level, scene) result(e)
     integer, intent(in) :: level        !< of the series
     type(scene_t), intent(in) :: scene  !< scene with a tolerance
-    e = hypot(maxval(least_error(scene)), merge(typical_drive, typical, scene%support%loop)/band(level)**power)
+    e = norm2([maxval(least_error(scene)), merge(typical_drive, typical, scene%support%loop)/band(level)**power, &
+      merge(chance, 0._dp, level == 3)])
   end function expected_error
 
   !> Errors of the limits that the layers leave however well the meshes agree.
@@ -81,33 +93,35 @@ contains
   end function small_displacements
 
   !> Limits from the levels that are known, and their estimated errors: what the last level changed of the limit, or the way that
-  !> is left to it if that is more, and the standard error of the line's end, which levels out of line raise.
+  !> is left to it if that is more, and the standard error of the line's end, which levels out of line raise. The first limit is
+  !> that of a line through two levels, which says little.
   pure subroutine extrapolate(q, limit, estimate)
-    real(dp), intent(in) :: q(:, :)            !< quantities by level (values, levels that are known: 4 at least)
+    real(dp), intent(in) :: q(:, :)            !< quantities by level (values, levels that are known: 3 at least)
     real(dp), intent(out) :: limit(values)     !< in the units of q
     real(dp), intent(out) :: estimate(values)  !< in the units of q
     real(dp) :: before, scatter
     integer :: i, n
     n = size(q, 2)
     do i = 1, values
-      call fit_line(q(i, n - 3:n - 1), n - 1, before, scatter)
+      call fit_line(q(i, max(1, n - 3):n - 1), n - 1, before, scatter)
       call fit_line(q(i, n - 2:n), n, limit(i), scatter)
       estimate(i) = max(abs(limit(i) - before), abs(limit(i) - q(i, n))) + scatter
     end do
+    if (n == 3) estimate = hypot(estimate, chance*limit)
   end subroutine extrapolate
 
-  !> The line through three levels over h^(3/2) at h = 0, least squares, and its standard error there.
+  !> The line through the last levels over h^(3/2) at h = 0, least squares, and its standard error there.
   pure subroutine fit_line(q, level, limit, scatter)
-    real(dp), intent(in) :: q(3)         !< a quantity on these levels
-    integer, intent(in) :: level         !< the finest of the three
+    real(dp), intent(in) :: q(:)         !< a quantity on these levels: three, or two
+    integer, intent(in) :: level         !< the finest of them
     real(dp), intent(out) :: limit       !< at h = 0
     real(dp), intent(out) :: scatter     !< its standard error
-    real(dp) :: x(3), middle, slope
-    x = 1/real(band(level - 2:level), dp)**power
-    middle = sum(x)/3
+    real(dp) :: x(size(q)), middle, slope
+    x = 1/real(band(level - size(q) + 1:level), dp)**power
+    middle = sum(x)/size(x)
     x = x - middle
     slope = sum(x*q)/sum(x**2)
-    limit = sum(q)/3 - middle*slope
-    scatter = norm2(q - sum(q)/3 - slope*x)*sqrt(1/3._dp + middle**2/sum(x**2))
+    limit = sum(q)/size(x) - middle*slope
+    scatter = norm2(q - sum(q)/size(x) - slope*x)*sqrt(1/real(size(x), dp) + middle**2/sum(x**2))
   end subroutine fit_line
 end module hd_mesh_series

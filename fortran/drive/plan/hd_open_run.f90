@@ -39,7 +39,7 @@ contains
       call raise(error, code_input, 'error: run.tolerance = '//to_text(scene%planned_tolerance)//nl// &
         '      valid: 0, or '//to_text(least_tolerance)//' and more: what the finest mesh of a plan can promise')
     else if (scene%planned_tolerance > 0) then
-      call check_memory(meshed(scene, coarse), .true., error)
+      call check_memory(meshed(scene, coarse(scene)), .true., error)
     else
       call check_memory(scene, .false., error)
     end if

@@ -7,13 +7,14 @@
 !> meshes corrects them, where two meshes agree on it: the fine ones are then solved without.
 module hd_planner
   use hd_kinds, only: dp
+  use hd_attempts, only: attempts_t
   use hd_coarse_start, only: has_coarser
   use hd_cost, only: estimate_memory_mb, allowed_memory_mb, check_memory
   use hd_error, only: error_t, code_not_converged
   use hd_log, only: say
   use hd_mesh_series, only: levels, coarse, first_judged, first_level, expected_error, fine, share, share_of_four, &
     meshed, extrapolate, small_displacements
-  use hd_model, only: model_t, give_back
+  use hd_model, only: model_t, forget_states, give_back
   use hd_promises, only: promise_t, promises, values, promises_of, wanted_of, k_of_steps, every_second, &
     is_field, relative
   use hd_trial_runs, only: trial_runs_t, new_trial_runs, growth
@@ -31,8 +32,8 @@ module hd_planner
   real(dp), parameter :: unsure = 0.1_dp        !< of a correction that two coarse meshes agree on: what it is off by at least
   real(dp), parameter :: accuracy = 1e-3_dp     !< of the tolerance: residual of Newton's method
   real(dp), parameter :: few_more = 1.1_dp      !< growth of a run's time from the trial's with the facets,
-  real(dp), parameter :: looped = 2, stepped = 0.1_dp  !< run over trial, whose answers are stored, with a loop and without,
-  real(dp), parameter :: started = 0.4_dp       !< and from a coarser mesh under large displacements; all four by judgement
+  real(dp), parameter :: taken = 0.2_dp         !< run over trial, whose attempts it takes over,
+  real(dp), parameter :: started = 0.4_dp       !< and from a coarser mesh under large displacements; all three by judgement
   integer, parameter :: few_steps = 4           !< of each leg of a loop on which kinematics are compared
   integer, parameter :: doublings = 4           !< of load steps, at most
 
@@ -51,6 +52,7 @@ module hd_planner
     real(dp) :: doubt(values) = 0               !< estimated errors of the limits by the meshes, relative
     integer :: level = 0                        !< of the series of meshes; 0: nothing could be estimated
     logical :: met = .false.                    !< the estimate is within the tolerance
+    type(attempts_t) :: attempts                !< of the trial that was of `scene`, if it was the last
   end type plan_t
 
 contains
@@ -96,7 +98,7 @@ contains
       call note(plan, 'kinematics linear: support, wave generator or method allow no other')
       return
     end if
-    call try_both(coarse, small_q(:, 1), large_q(:, 1))
+    call try_both(coarse(plan%scene), small_q(:, 1), large_q(:, 1))
     if (allocated(error)) then
       if (error%code /= code_not_converged) return
       deallocate (error)
@@ -109,7 +111,7 @@ contains
     change = relative(plan%scene, moved(:, 1), large_q(:, 1))
     text = ': large displacements change '//worst(plan, change, 'by')
     if (beyond(change)) then
-      call try_both(coarse - 1, small_q(:, 2), large_q(:, 2))
+      call try_both(coarse(plan%scene) - 1, small_q(:, 2), large_q(:, 2))
       if (allocated(error)) then
         if (error%code /= code_not_converged) return
         deallocate (error)
@@ -176,7 +178,7 @@ contains
       call note(plan, 'wave generator as the scene says')
       return
     end if
-    s = meshed(plan%scene, coarse)
+    s = meshed(plan%scene, coarse(plan%scene))
     call trials%try(s, balls_q, error)
     if (allocated(error)) return
     stiffness = trials%balls_of(s)
@@ -218,7 +220,7 @@ contains
     logical :: known
     integer :: i
     known = .false.
-    s = small_displacements(meshed(plan%scene, coarse))
+    s = small_displacements(meshed(plan%scene, coarse(plan%scene)))
     do i = 0, doublings
       if (i > 0) s%assembly_steps = 2*s%assembly_steps
       if (i > 0) s%torque_steps = 2*s%torque_steps
@@ -251,7 +253,7 @@ contains
     type(scene_t) :: s
     real(dp) :: two(values), four(values)
     if (.not. plan%scene%planned_tolerance < fine) return
-    s = small_displacements(meshed(plan%scene, coarse))
+    s = small_displacements(meshed(plan%scene, coarse(plan%scene)))
     call trials%try(s, two, error)
     s%through_wall = 2*s%through_wall
     s%through_ring = s%through_wall
@@ -336,11 +338,11 @@ contains
       call check_memory(plan%scene, .false., error)
       return
     end if
-    now = meshed(plan%scene, coarse)
+    now = meshed(plan%scene, coarse(plan%scene))
     q = 0
-    do level = coarse - 1, levels
+    do level = coarse(scene) - 1, levels
       next = meshed(plan%scene, level)
-      if (level > coarse .and. .not. fits(next)) then
+      if (level > coarse(scene) .and. .not. fits(next)) then
         call note(plan, 'no finer mesh: '//to_text(next%divisions)//' x '//to_text(band_rows(next))//' facets need about '// &
           to_text(nint(estimate_memory_mb(next)))//' MB, the limit is '//to_text(nint(allowed_memory_mb(next)))// &
           ' MB (mesh.memory_limit_mb)')
@@ -356,7 +358,7 @@ contains
         exit
       end if
       now = next
-      if (level < first_judged) cycle
+      if (level < first_judged(scene)) cycle
       call judge(q(:, :level), plan)
       call note(plan, 'mesh '//to_text(now%divisions)//' x '//to_text(band_rows(now))//' facets: the estimated error of '// &
         worst(plan, plan%estimate, 'is')//', the largest; tolerance '//percent(scene%planned_tolerance))
@@ -401,6 +403,8 @@ contains
     call move_alloc(model, trials%model)
     call plan_scene(trials, scene, plan, error)
     call move_alloc(trials%model, model)
+    if (.not. allocated(error)) call trials%hand_over(plan%scene, plan%attempts)
+    if (.not. plan%attempts%left()) call forget_states(model)  ! as where the plan goes on with its last run
     plan%begun = trials%begun
   end subroutine make_plan
 
@@ -410,6 +414,7 @@ contains
     type(run_t), intent(inout) :: run       !< run of its scene
     run%record%timers%seconds(in_plan) = run%clock - plan%begun
     run%clock = plan%begun
+    if (.not. run%record%resumed) call plan%attempts%hand_on(run%attempts)
     call note(plan, 'solver '//trim(run%model%solver%name)//': least predicted time; symmetry '//trim(run%scene%symmetry)// &
       ': found from load and state, step by step')
     run%record%planned_tolerance = run%scene%planned_tolerance
@@ -438,9 +443,8 @@ contains
   end function fits
 
   !> The plan, with predicted time and memory; only coarse meshes are solved for it, which tell the speed of the machine.
-  !> Time grows as facets^1.4 (condensed) and ^1.1 (large displacements, up to level 6); a linear run repeats its estimate from
-  !> known states, but a drive its whole loop, with tangents and stresses; first guesses save large displacements three fifths of
-  !> the iterations.
+  !> Time grows as facets^1.4 (condensed) and ^1.1 (large displacements, up to level 6); a linear run takes over the trial of its
+  !> mesh and adds stresses, a drive also tangents; first guesses save large displacements three fifths of the iterations.
   subroutine plan_text(scene, text, error)
     type(scene_t), intent(in) :: scene                       !< scene with a tolerance
     character(len=:), allocatable, intent(out) :: text       !< plan
@@ -457,7 +461,7 @@ contains
     allocate (plan%reasons(0), plan%warnings(0))
     call new_trial_runs(scene, '', .false., trials, error)
     if (.not. allocated(error)) call choose_all(trials, plan, error)
-    s = meshed(plan%scene, coarse)
+    s = meshed(plan%scene, coarse(plan%scene))
     linear = small_displacements(s)
     if (.not. allocated(error)) call trials%try(linear, q, error)
     if (.not. allocated(error)) call trials%try(s, q, error)
@@ -476,13 +480,13 @@ contains
       'level divisions rows  error/% expected  estimate/s    run/s  in all/s       MB'
     start = first_level(scene)
     before = sum(trials%known%seconds)
-    do level = coarse - 1, levels
+    do level = coarse(scene) - 1, levels
       s = meshed(plan%scene, level)
       seconds = base*(s%divisions*band_rows(s)/facets)**[growth, few_more]
-      if (.not. s%large()) seconds(2) = merge(looped, stepped, s%support%loop)*seconds(1)
+      if (.not. s%large()) seconds(2) = taken*seconds(1)
       if (s%large() .and. has_coarser(s)) seconds(2) = started*seconds(2)
-      if (level /= coarse) before = before + seconds(1)
-      if (level < first_judged) cycle
+      if (level /= coarse(scene)) before = before + seconds(1)
+      if (level < first_judged(scene)) cycle
       write (line, '(I5,I10,I5,f18.2,f12.1,f9.1,f10.1,f9.0,a)') level, s%divisions, band_rows(s), &
         100*norm2([expected_error(level, scene), maxval(plan%change, mask=wanted_of(scene)), &
         maxval(plan%simpler, mask=wanted_of(scene))]), seconds, before + seconds(2), &

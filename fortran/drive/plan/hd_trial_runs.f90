@@ -3,16 +3,18 @@
 !> remembered, and kept in plan.csv of the run's folder, so that a stopped plan goes on where it was.
 module hd_trial_runs
   use hd_kinds, only: dp
+  use hd_attempts, only: attempts_t
   use hd_checkpoint, only: check_same_scene
   use hd_checksum, only: checksum, hexadecimal
   use hd_clock, only: wall_seconds
+  use hd_cost, only: allowed_memory_mb, estimate_memory_mb
   use hd_error, only: error_t, raise, code_file, code_input, code_stopped
   use hd_input, only: write_echo
   use hd_input_file, only: read_text, next_line
-  use hd_load_path, only: path_end
+  use hd_load_path, only: place_t, path_end
   use hd_log, only: set_log_level, say, quiet, verbose
   use hd_march, only: march
-  use hd_model, only: model_t
+  use hd_model, only: model_t, forget_states
   use hd_new_file, only: new_file_t
   use hd_output, only: result_files
   use hd_pressure_patches, only: patch_pressures
@@ -45,6 +47,8 @@ module hd_trial_runs
     integer :: before = 0                    !< runs that were known when it began
     type(promise_t) :: promised(promises)    !< what is promised
     type(model_t), allocatable :: model      !< of the last run, for the next one
+    type(attempts_t) :: attempts             !< of the last run, if they are kept,
+    type(string_t) :: last                   !< which is this one
     type(string_t), allocatable :: name(:)   !< meshes that are solved
     type(probe_t), allocatable :: known(:)   !< and their results
   contains
@@ -52,6 +56,7 @@ module hd_trial_runs
     procedure :: seconds_of
     procedure :: balls_of
     procedure :: foretell
+    procedure :: hand_over
   end type trial_runs_t
 
 contains
@@ -105,7 +110,11 @@ contains
     if (level == verbose) call set_log_level(verbose)
     allocate (run)
     call move_alloc(self%model, run%model)
+    call forget_states(run%model)
     call new_run(s, '', '', .false., run, error)
+    self%attempts = attempts_t()
+    self%last = string_t()
+    if (.not. allocated(error)) run%attempts%keeps = .not. (s%large() .or. s%support%against_teeth) .and. has_room(run)
     run%asks_tangent = .not. scene%support%loop  ! not promised there
     if (.not. allocated(error)) call march(run, path_end(run%scene), error)
     if (.not. allocated(error)) then
@@ -125,11 +134,36 @@ contains
     end if
     new%q = q
     new%seconds = wall_seconds() - new%seconds
-    call push(self%name, name_of(scene))
+    self%last%s = name_of(scene)
+    call push(self%name, self%last%s)
     self%known = [self%known, new]
+    run%attempts%start = run%tally%start
+    run%attempts%keeps = .false.
+    call run%attempts%hand_on(self%attempts)
     call say(log_line(scene, new))
     call keep(self, error)
   end subroutine try
+
+  !> There is room for the states of all load steps beside the model.
+  logical function has_room(run)
+    type(run_t), intent(in) :: run  !< run at rest
+    real(dp), parameter :: mb = 1e-6_dp*storage_size(1._dp)/8
+    real(dp) :: limit
+    type(place_t) :: last
+    limit = allowed_memory_mb(run%scene)
+    last = path_end(run%scene)
+    has_room = limit <= 0 .or. estimate_memory_mb(run%scene) + mb*last%step*(size(run%state%u) + 2*size(run%state%traction)) < limit
+  end function has_room
+
+  !> Attempts of the last run, if it was of a scene: none otherwise.
+  subroutine hand_over(self, scene, attempts)
+    class(trial_runs_t), intent(inout) :: self     !< results
+    type(scene_t), intent(in) :: scene             !< scene on its mesh
+    type(attempts_t), intent(inout) :: attempts    !< gets them
+    if (.not. allocated(self%last%s)) return
+    if (self%last%s /= name_of(scene)) return
+    call self%attempts%hand_on(attempts)
+  end subroutine hand_over
 
   !> What a stop while planning leaves.
   function stopped(self) result(text)

@@ -2,6 +2,7 @@
 !> Load steps of a run: parts that grow and are cut, gross slip found and bracketed, and what to say where it ends.
 module hd_load_step
   use hd_kinds, only: dp
+  use hd_attempts, only: attempt_t
   use hd_clock, only: wall_seconds
   use hd_coarse_start, only: guess_from
   use hd_contact_law, only: open_state
@@ -194,78 +195,128 @@ contains
     logical, intent(out) :: sliding                   !< the contact slips as a whole
     real(dp), intent(inout) :: slip_torque            !< torque that friction carries then [N m]
     type(error_t), allocatable, intent(out) :: error  !< solver, files
-    type(state_t) :: trial
+    type(attempt_t) :: found
     type(load_t) :: load
     type(newton_options_t) :: options
-    type(iteration_t), allocatable :: history(:)
     type(step_t) :: step
-    integer :: threads, taken
+    integer :: taken, inner
     logical :: known
-    options%tolerance = run%scene%tolerance
-    options%max_iterations = run%scene%max_iterations
-    options%runaway = farthest(run%scene, run%model%drive%radius)
+    solved = .false.
+    sliding = .false.
+    inner = run%model%solver%inner
     step = run%step
     step%number = run%step%number + 1
     call place_step(run%scene, place, step)
-    if (step%loaded) options%torque = largest_torque(run%scene)
-    call drive_load(run%model%drive, assembly_at(run%scene, place), step%torque, step_friction(run%scene, step%loaded), load, &
-      run%state)
     run%model%drive%problem%wheel_turns = run%scene%support%turns_bottom .and. step%loaded
-    call first_guess(run, place, step, trial, known)
-    options%anew = step%loaded .and. .not. (known .or. stretch(run%scene, run%place_before, run%place, place) > 0)
-    if (run%model%solver%own_threads) threads = blas_threads(1)
-    if (run%scene%support%against_teeth .and. step%loaded) then
-      call turn_against_teeth(run, step%torque, trial, history, error)
-      solved = .true.
-      sliding = .false.
-    else
-      call iterate(run%model%drive%problem, run%model%solver, options, load, run%state, trial, history, solved, sliding, error)
-      run%far = .not. (solved .or. run%scene%support%friction_alone .or. proportional(run))
-      if (run%far) run%far = maxval(abs(trial%u)) > options%runaway
-      if (.not. (solved .or. sliding .or. run%far .or. allocated(error)) .and. bears_less_friction(run, load, step)) then
-        call raise_friction(run%model%drive%problem, run%model%solver, options, load, deadline(run), run%state, trial, history, &
-          solved, sliding, error)
-      end if
-      sliding = sliding .and. run%scene%support%friction_alone  ! elsewhere a part of the step is easier
-    end if
-    if (run%model%solver%own_threads) threads = blas_threads(threads)
+    call run%attempts%take(run%place, place, found, known)
+    if (.not. known) call try_part(run, place, step, options, load, found, error)
     call run%record%timers%book(in_newton)
     if (allocated(error)) return
-    taken = history(size(history))%iteration
+    solved = found%solved
+    sliding = found%sliding
+    run%far = found%far
+    run%model%solver%inner = run%model%solver%inner + merge(found%inner, 0, known)
+    taken = found%history(size(found%history))%iteration
     run%tally%iterations = run%tally%iterations + taken
-    if (run%writes) call write_history(run%output, step, attempt, history, error)
+    if (run%writes) call write_history(run%output, step, attempt, found%history, error)
     call run%record%timers%book(in_output)
     if (allocated(error)) return
-    call note_iterations(run, history)
+    call note_iterations(run, found%history)
     run%step%iterations = run%step%iterations + taken
     run%easy = taken < few_iterations
-    if (solved) then  ! a guess is of the drive before it has turned
-      if (run%keeps_all .or. .not. step%loaded) call run%model%assembly%add(assembly_at(run%scene, place), step%torque, trial)
-      if (run%scene%support%struts .and. .not. (step%loaded .or. place < assembled(run%scene))) then
-        if (run%scene%turned()) then
-          call turn_once(run%model%drive, run%model%solver, options, load, trial, error)
-          call run%record%timers%book(in_turn)
-        end if
-        if (allocated(error)) return
-        call touch_teeth(run%scene, run%model%drive, trial%u, trial)
-      else
-        call remember(run%model%drive%problem, load, trial)
-      end if
+    if (solved) then
+      if (.not. known) call finish_part(run, place, step, options, load, found%state, error)
+      if (allocated(error)) return
       if (place%share > 0) call keep_checkpoint(run, error)  ! the state of the last whole step is left
       if (allocated(error)) return
+    end if
+    found%inner = run%model%solver%inner - inner
+    call run%attempts%add(found)
+    if (solved) then
       call move_state(run%state, run%before)
-      call move_state(trial, run%state)
+      call move_state(found%state, run%state)
       run%place_before = run%place
       run%place = place
-      run%tally%symmetry(merge(2, 1, step%loaded)) = run%model%solver%symmetry_used
+      run%tally%symmetry(merge(2, 1, step%loaded)) = found%symmetry
       call place_step(run%scene, place, run%step)
       if (allocated(run%gradient)) call run%gradient%follow(place, run%before, run%state)
     else if (sliding) then
-      slip_torque = abs(contact_torque(run%model%drive, trial))  ! below the tolerance it is rounding: friction holds nothing
-      if (.not. load%friction > 0 .or. slip_torque < run%scene%tolerance*abs(run%scene%torque)) slip_torque = 0
+      slip_torque = found%slip_torque
     end if
     if (.not. solved) call pair_bodies(run%model%drive%problem, run%state%u)
   end subroutine solve_part
+
+  !> Iterate towards a place.
+  subroutine try_part(run, place, step, options, load, found, error)
+    type(run_t), intent(inout) :: run                 !< run
+    type(place_t), intent(in) :: place                !< aim
+    type(step_t), intent(in) :: step                  !< and what stands there
+    type(newton_options_t), intent(out) :: options    !< of the iteration
+    type(load_t), intent(out) :: load                 !< there
+    type(attempt_t), intent(out) :: found             !< what it came to
+    type(error_t), allocatable, intent(out) :: error  !< solver
+    integer :: threads
+    logical :: known
+    found%from = run%place
+    found%to = place
+    options%tolerance = run%scene%tolerance
+    options%max_iterations = run%scene%max_iterations
+    options%runaway = farthest(run%scene, run%model%drive%radius)
+    if (step%loaded) options%torque = largest_torque(run%scene)
+    call drive_load(run%model%drive, assembly_at(run%scene, place), step%torque, step_friction(run%scene, step%loaded), load, &
+      run%state)
+    associate (trial => found%state, solved => found%solved, sliding => found%sliding)
+      call first_guess(run, place, step, trial, known)
+      options%anew = step%loaded .and. .not. (known .or. stretch(run%scene, run%place_before, run%place, place) > 0)
+      if (run%model%solver%own_threads) threads = blas_threads(1)
+      if (run%scene%support%against_teeth .and. step%loaded) then
+        call turn_against_teeth(run, step%torque, trial, found%history, error)
+        solved = .true.
+      else
+        call iterate(run%model%drive%problem, run%model%solver, options, load, run%state, trial, found%history, solved, sliding, &
+          error)
+        found%far = .not. (solved .or. run%scene%support%friction_alone .or. proportional(run))
+        if (found%far) found%far = maxval(abs(trial%u)) > options%runaway
+        if (.not. (solved .or. sliding .or. found%far .or. allocated(error)) .and. bears_less_friction(run, load, step)) then
+          call raise_friction(run%model%drive%problem, run%model%solver, options, load, deadline(run), run%state, trial, &
+            found%history, solved, sliding, error)
+        end if
+        sliding = sliding .and. run%scene%support%friction_alone  ! elsewhere a part of the step is easier
+      end if
+      if (run%model%solver%own_threads) threads = blas_threads(threads)
+      if (allocated(error)) return
+      found%symmetry = run%model%solver%symmetry_used
+      if (known .and. solved .and. found%history(size(found%history))%iteration == 0) then
+        call run%model%assembly%recall(assembly_at(run%scene, place), step%torque, trial, known)  ! with the states it was found in
+      else if (sliding .and. .not. solved) then
+        found%slip_torque = abs(contact_torque(run%model%drive, trial))  ! below the tolerance rounding: friction holds nothing
+        if (.not. load%friction > 0 .or. found%slip_torque < run%scene%tolerance*abs(run%scene%torque)) found%slip_torque = 0
+      end if
+    end associate
+  end subroutine try_part
+
+  !> What follows where a place was reached: the assembled drive may turn once, teeth and rubbing struts begin from there.
+  subroutine finish_part(run, place, step, options, load, trial, error)
+    type(run_t), intent(inout) :: run                 !< run
+    type(place_t), intent(in) :: place                !< reached
+    type(step_t), intent(in) :: step                  !< what stands there
+    type(newton_options_t), intent(in) :: options     !< of the iteration
+    type(load_t), intent(in) :: load                  !< there
+    type(state_t), intent(inout) :: trial             !< solution
+    type(error_t), allocatable, intent(out) :: error  !< solver
+    ! a guess is of the drive before it has turned
+    if (run%keeps_all .or. .not. step%loaded) call run%model%assembly%add(assembly_at(run%scene, place), step%torque, trial)
+    if (run%scene%support%struts .and. .not. (step%loaded .or. place < assembled(run%scene))) then
+      if (run%scene%turned()) then
+        call turn_once(run%model%drive, run%model%solver, options, load, trial, error)
+        call run%record%timers%book(in_turn)
+      end if
+      if (allocated(error)) return
+      call touch_teeth(run%scene, run%model%drive, trial%u, trial)
+    else
+      call remember(run%model%drive%problem, load, trial)
+    end if
+  end subroutine finish_part
 
   !> Displacement at which a body counts as sliding away [m].
   pure real(dp) function farthest(scene, radius)

@@ -29,7 +29,11 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< not converged, gross slip, stopped, solver, files
     call run%record%timers%book(outside)
     do while (run%place < to .and. run%place < path_end(run%scene) .and. .not. allocated(error))
-      if (begins(run%scene, run%place) .and. has_coarser(run%scene) .and. .not. allocated(run%coarser)) call solve_coarser(run)
+      if (run%attempts%left()) then
+        run%tally%start = run%attempts%start
+      else if (begins(run%scene, run%place) .and. has_coarser(run%scene) .and. .not. allocated(run%coarser)) then
+        call solve_coarser(run)
+      end if
       call solve_step(run, error)
     end do
     if (.not. (allocated(error) .or. allocated(run%loop%turned_angle) .or. run%scene%turning_positions == 0 .or. &

@@ -15,9 +15,10 @@ module hd_model
   use hd_solver_choice, only: choose_solver, forgets_struts, renew_solver
   implicit none
   private
-  public :: model_t, fit_model, hand_on, give_back
+  public :: model_t, fit_model, hand_on, forget_states, give_back
 
-  !> Converged states of an assembly, for later runs that differ in their torque only; of a planned run also those under torque.
+  !> Converged states of an assembly, for later runs that differ in their torque only; for first guesses of a finer mesh also those
+  !> under torque.
   type :: assembly_t
     real(dp), allocatable :: place(:, :)     !< fractions of the assembly, torques [N m] (2, states)
     type(state_t), allocatable :: state(:)   !< states there
@@ -75,6 +76,12 @@ contains
     if (allocated(from%drive%problem%lagrangian)) call give_back(from)
     call move_alloc(from, to)
   end subroutine hand_on
+
+  !> Forget the states of earlier runs: what comes next is as in a process that has solved nothing before.
+  subroutine forget_states(model)
+    type(model_t), allocatable, intent(inout) :: model  !< keeps mesh and factors, if there is one
+    if (allocated(model)) model%assembly = assembly_t()
+  end subroutine forget_states
 
   !> Give back the memory of a model.
   subroutine give_back(model)

@@ -3,6 +3,7 @@
 module hd_run
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp
+  use hd_attempts, only: attempts_t
   use hd_checkpoint, only: mark_t, reference_t, save_checkpoint, load_checkpoint, drop_checkpoint
   use hd_clock, only: wall_seconds, timestamp
   use hd_coupled_tangent, only: answer_t, coupled_response, glued_response, contact_alone
@@ -54,6 +55,7 @@ module hd_run
     type(state_t) :: top                    !< that of the reference step of a loop
     type(model_t), allocatable :: coarser   !< of the same run on a coarser mesh, with all its states, for first guesses
     logical :: keeps_all = .false.          !< `model` gets the states under torque too
+    type(attempts_t) :: attempts            !< kept for the next run of this scene, or taken over from the last one
     logical :: asks_tangent = .true.        !< steps from the end of the assembly on get a tangent K_TS
     logical :: unsettled = .false.          !< an iteration was left in the middle: mesh and factors are of no more use
     integer :: first_step = 0               !< load steps before this process took the run up
@@ -141,7 +143,6 @@ contains
     run%clock = wall_seconds()
     call run%record%timers%begin(run%clock)
     run%scene = scene
-    run%keeps_all = scene%planned_tolerance > 0
     run%record%started = timestamp()
     run%record%input = input
     call implausible(scene, run%record%warnings)
@@ -212,6 +213,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< files
     character(len=100) :: line
     real(dp) :: stress
+    logical :: known
     call run%record%timers%book(in_newton)
     run%step%number = run%step%number + 1
     run%step%seconds = wall_seconds() - run%step_clock
@@ -222,8 +224,12 @@ contains
     end if
     call run%record%timers%book(in_fields)
     run%flexibility%known = run%flexibility%known .and. wants_tangent(run)
-    if (wants_tangent(run)) call find_flexibility(run, error)
-    if (allocated(error)) return
+    if (wants_tangent(run)) then
+      call run%attempts%take_tangent(run%step%number, run%flexibility, run%certain, known)
+      if (.not. known) call find_flexibility(run, error)
+      if (allocated(error)) return
+      call run%attempts%add_tangent(run%step%number, run%flexibility, run%certain)
+    end if
     call enter_stiffness(run)
     call run%record%timers%book(in_stiffness)
     associate (c => run%state%contact)

@@ -95,14 +95,19 @@ def balance_faults(steps, facets, balls, teeth, summary):
 def law_faults(balls, teeth, scene):
     """Balls and flanks that pull, push over a gap, answer by another law than one of their closing, or rub too much."""
     found = []
-    for name, table, power in (("ball", balls, 1.5), ("flank", teeth, 1)):
+    for name, table, power, given in (("ball", balls, 1.5, scene["bearing.ball_rate"]), ("flank", teeth, 1, scene["load.tooth_stiffness"])):
         if table is None or not len(table):
             continue
         force, closing = table["force_n"], table["closing_m"]
+        if name == "ball" and scene["bearing.axial_hold"] == "grooves":  # along the line of the centres of its grooves
+            reach = (scene["bearing.inner_conformity"] + scene["bearing.outer_conformity"] - 1) * scene["bearing.ball_diameter"]
+            load = np.hypot(force, table["axial_force_n"])
+            closing = np.where(force > 0, (reach + closing) * load / np.where(force > 0, force, 1) - reach, closing * (closing < 0))
+            force = np.where(force < 0, force, load)
         if force.min() < 0 or force[closing <= 0].max(initial=0) > 0:
             found.append(f"a {name} pulls, or pushes over a gap")
         rate = force[closing > 1e-9] / closing[closing > 1e-9] ** power
-        if rate.size and (np.ptp(rate) > 1e-6 * rate.max() or name == "flank" and abs(rate[0] / scene["load.tooth_stiffness"] - 1) > 1e-6):
+        if rate.size and (np.ptp(rate) > 1e-6 * rate.max() or given and abs(rate[0] / given - 1) > 1e-6):
             found.append(f"{name}s follow no one law of their closing")
     if teeth is not None and np.any(abs(teeth["friction_n"]) > scene["load.tooth_friction"] * teeth["force_n"] * (1 + 1e-9)):
         found.append("a flank rubs with more than mu times its force")

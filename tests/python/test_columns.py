@@ -398,7 +398,7 @@ def test_numbers_of_heights(surface):
 HELD = {(table, name): held for held, names in {
     "test_balance.py::test_lateral_forces_balance": "steps hub_force_x_n hub_force_y_n lateral_balance_x_n lateral_balance_y_n",
     "test_drive.py::test_balls_follow_hertz": "balls closing_m",
-    "test_drive.py::test_balls_hold_the_ring_along_the_axis": "balls axial_force_n",
+    "test_loose_drives.py::test_balls_hold_the_ring_along_the_axis": "balls axial_force_n",
     "test_drive.py::test_flanks_follow_their_law": "teeth closing_m",
     "test_drive.py::test_torque_balances": "steps torque_balance_nm",
     "test_drive.py::test_bonded_on_a_rigid_cam_is_k_fts": "loop angle_rad",

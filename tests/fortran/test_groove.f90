@@ -35,6 +35,8 @@ contains
     call check_close(force(5)/force(2), -40/133._dp, 1e-14_dp, 'which is its direction')
     force = forces([-3e-6_dp, -3e-6_dp, 0._dp, 20e-6_dp, 30e-6_dp])
     call check(.not. any(abs(force([1, 4])) > 0) .and. force(2) > 0, 'a way along the axis closes a ball that was free')
+    force = forces([-300e-6_dp, -500e-6_dp, 0._dp, 0._dp, 30e-6_dp])
+    call check(.not. any(abs(force([1, 2, 4, 5])) > 0), 'a ring that stands off further than the centres lie apart is free')
     at = [3e-6_dp, -2e-6_dp, 0._dp, -15e-6_dp, 40e-6_dp]
     call groove_tangents(groove, struts, at, tangent)
     do i = 1, 2

@@ -22,15 +22,20 @@ module hd_groove
 
 contains
 
-  !> Line of a ball, and how far it closes along it.
+  !> Line of a ball, and how far it closes along it. Where a ring stands off further than `reach` its balls lie free.
   pure subroutine line_of(reach, c, v, n, s, closing)
     real(dp), intent(in) :: reach          !< [m]
     real(dp), intent(in) :: c, v           !< [m]
     real(dp), intent(out) :: n(2), s       !< direction; distance of the centres [m]
     real(dp), intent(out) :: closing       !< [m]
-    s = hypot(reach + c, v)
-    n = [reach + c, v]/s
-    closing = c + v**2/(s + reach + c)  ! s - reach without its rounding
+    s = hypot(max(reach + c, 0._dp), v)
+    if (s > 0) then
+      n = [max(reach + c, 0._dp), v]/s
+    else
+      n = [1._dp, 0._dp]
+    end if
+    closing = max(c, -reach)
+    if (v /= 0) closing = closing + v**2/(s + reach + closing)  ! s - reach without its rounding
   end subroutine line_of
 
   !> Forces of the balls along both of their ways.

@@ -13,6 +13,7 @@ module hd_newton
   use hd_linear_solver, only: linear_solver_t
   use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, keep_state, new_state, update_tangent, &
     strain_bodies, apply_stiffness, largest_stiffness, pair_bodies, update_struts, strut_forces
+  use hd_groove, only: hold_less, hold_more
   use hd_contact_law, only: contact_law_t, evaluate_law, frictionless, open_state, stick_state, slip_state
   use hd_mortar, only: add_nodal_forces
   use hd_pairing, only: pairing_error
@@ -193,13 +194,14 @@ contains
     type(state_t) :: guess
     real(dp), allocatable :: du(:, :), dt(:, :)
     real(dp) :: tolerance
-    logical :: search
+    logical :: search, more
     type(ahead_t) :: ahead
     integer(int64) :: start, now, rate
     call system_clock(start, rate)
     allocate (history(0))
     converged = .false.
     sliding = .false.
+    if (allocated(problem%groove)) problem%groove%hold = 0
     call solver%begin(problem, load, previous, error)
     if (allocated(error)) return
     if (allocated(problem%lagrangian)) guess = state
@@ -242,16 +244,22 @@ contains
       call globalise(problem, load, previous, row%iteration, state, here, global, history(size(history))%period)
       if (row%iteration > 0) call update_tangent(problem, state%u)
       call update_struts(problem, load, state%u)
+      if (allocated(problem%groove) .and. row%iteration > 0) call hold_less(problem%groove, problem%struts, problem%strut_rate, du)
       call count_ahead(problem, load, state%u, row%stick > 0, ahead, here%r_u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(searched, whole, search)
       ! as accurate as the residual is small (Dembo, Eisenstat, Steihaug 1982), or little is left to do, or pairs move it up again
       if (allocated(problem%pairing) .and. .not. search) solver%accuracy = &
         max(whole, min(tenth, max(here%merit, tenth*options%tolerance/here%merit, merge(tenth, 0._dp, options%rough))))
-      call solver%update(problem, here%dw, here%dt, error)
-      if (allocated(error)) return
-      call solve_checked(problem, solver, here%dw, here%dt, here%r_u, here%r_c, du, dt, row%linear, error)
-      if (allocated(error) .or. .not. row%linear < useless) return
+      do
+        call solver%update(problem, here%dw, here%dt, error)
+        if (allocated(error)) return
+        call solve_checked(problem, solver, here%dw, here%dt, here%r_u, here%r_c, du, dt, row%linear, error)
+        if (allocated(error) .or. .not. row%linear < useless) return
+        more = allocated(problem%groove)
+        if (more) call hold_more(problem%groove, problem%struts, problem%strut_rate, du, more)
+        if (.not. more) exit
+      end do
       row%iteration = row%iteration + 1
       call take_newton_step(problem, load, previous, du, dt, search, state, here, row%damping)
     end do

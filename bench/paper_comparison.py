@@ -61,11 +61,11 @@ def solved(keys):
 
 
 def with_teeth(keys, x2=None):
-    """Keys with the gaps of a rack on the rim that they assemble: closest pair 1 um, or a spline of the profile shift x2; and that shift."""
+    """Keys with the gaps of a rack on the rim that they assemble: the closest pair just touches, or a spline of the profile shift x2; and that shift."""
     with tempfile.TemporaryDirectory() as folder:
         words = [f"{k}={v}" for k, v in {**COARSE, **keys, "loop.torques": "0,0", "load.torque_steps": 1}.items() if k != "scene"]
         solve(f"{keys['scene']}.nml", *words, "output.vtu=last", out=f"{folder}/rim")
-        found = tooth_gaps(Involute(2.54e-3 * 14 / 200, x2=x2), f"{folder}/rim", least_gap=None if x2 else 1e-6)
+        found = tooth_gaps(Involute(2.54e-3 * 14 / 200, x2=x2), f"{folder}/rim", least_gap=None if x2 else 0.0)
     return {**keys, **{f"load.{k}": ", ".join(f"{v:.4g}" for v in found.keys()[f"load.{k}"]) for k in ("tooth_gaps", "tooth_gaps_back")}}, found.facts["x2"]
 
 

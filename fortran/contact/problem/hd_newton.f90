@@ -245,8 +245,8 @@ contains
       call count_ahead(problem, load, state%u, row%stick > 0, ahead, here%r_u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(searched, whole, search)
-      ! as accurate as the residual is small (Dembo, Eisenstat, Steihaug 1982), or little is left to do, or pairs move it up again; but
-      ! a wheel on its way over the play that stops short of the other flank has got nowhere
+      ! as accurate as the residual is small (Dembo, Eisenstat, Steihaug 1982), or little is left to do, or pairs move it up again;
+      ! but a wheel on its way over the play that stops short of the other flank has got nowhere
       if (allocated(problem%pairing)) solver%accuracy = merge(whole, max(whole, min(tenth, max(here%merit, &
         tenth*options%tolerance/here%merit, merge(tenth, 0._dp, options%rough)))), ahead%some)
       call solver%update(problem, here%dw, here%dt, error)

@@ -245,10 +245,7 @@ contains
       call count_ahead(problem, load, state%u, row%stick > 0, ahead, here%r_u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(searched, whole, search)
-      ! as accurate as the residual is small (Dembo, Eisenstat, Steihaug 1982), or little is left to do, or pairs move it up again;
-      ! but a wheel on its way over the play that stops short of the other flank has got nowhere
-      if (allocated(problem%pairing)) solver%accuracy = merge(whole, max(whole, min(tenth, max(here%merit, &
-        tenth*options%tolerance/here%merit, merge(tenth, 0._dp, options%rough)))), ahead%some)
+      if (allocated(problem%pairing)) solver%accuracy = merge(whole, of_use(options, here%merit), ahead%some)
       call solver%update(problem, here%dw, here%dt, error)
       if (allocated(error)) return
       call solve_checked(problem, solver, here%dw, here%dt, here%r_u, here%r_c, du, dt, row%linear, error)
@@ -257,6 +254,15 @@ contains
       call take_newton_step(problem, load, previous, du, dt, search, state, here, row%damping)
     end do
   end subroutine settle
+
+  !> Accuracy of a correction that the next one can use, where pairs move: as the residual is small (Dembo, Eisenstat, Steihaug
+  !> 1982), or little is left to do, or pairs move it up again. A wheel on its way over the play needs a whole one: one that stops
+  !> short of the other flank has got nowhere.
+  pure real(dp) function of_use(options, merit)
+    type(newton_options_t), intent(in) :: options  !< tolerance, and whether pairs will be moved
+    real(dp), intent(in) :: merit                  !< relative residual
+    of_use = max(whole, min(tenth, max(merit, tenth*options%tolerance/merit, merge(tenth, 0._dp, options%rough))))
+  end function of_use
 
   !> Enter the values of the fixed dofs; a wheel keeps its turn.
   subroutine prescribe(problem, load, u)

@@ -194,7 +194,7 @@ contains
     type(state_t) :: guess
     real(dp), allocatable :: du(:, :), dt(:, :)
     real(dp) :: tolerance
-    logical :: search, more
+    logical :: search
     type(ahead_t) :: ahead
     integer(int64) :: start, now, rate
     call system_clock(start, rate)
@@ -248,22 +248,41 @@ contains
       call count_ahead(problem, load, state%u, row%stick > 0, ahead, here%r_u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(searched, whole, search)
-      ! as accurate as the residual is small (Dembo, Eisenstat, Steihaug 1982), or little is left to do, or pairs move it up again
-      if (allocated(problem%pairing) .and. .not. search) solver%accuracy = &
-        max(whole, min(tenth, max(here%merit, tenth*options%tolerance/here%merit, merge(tenth, 0._dp, options%rough))))
-      do
-        call solver%update(problem, here%dw, here%dt, error)
-        if (allocated(error)) return
-        call solve_checked(problem, solver, here%dw, here%dt, here%r_u, here%r_c, du, dt, row%linear, error)
-        if (allocated(error) .or. .not. row%linear < useless) return
-        more = allocated(problem%groove)
-        if (more) call hold_more(problem%groove, problem%struts, problem%strut_rate, du, more)
-        if (.not. more) exit
-      end do
+      if (allocated(problem%pairing)) solver%accuracy = merge(whole, of_use(options, here%merit), ahead%some)
+      call find_correction(problem, solver, here, du, dt, row%linear, error)
+      if (allocated(error) .or. .not. row%linear < useless) return
       row%iteration = row%iteration + 1
       call take_newton_step(problem, load, previous, du, dt, search, state, here, row%damping)
     end do
   end subroutine settle
+
+  !> Accuracy of a correction that the next one can use, where pairs move: as the residual is small (Dembo, Eisenstat, Steihaug
+  !> 1982), or little is left to do, or pairs move it up again. A wheel on its way over the play needs a whole one: one that stops
+  !> short of the other flank has got nowhere.
+  pure real(dp) function of_use(options, merit)
+    type(newton_options_t), intent(in) :: options  !< tolerance, and whether pairs will be moved
+    real(dp), intent(in) :: merit                  !< relative residual
+    of_use = max(whole, min(tenth, max(merit, tenth*options%tolerance/merit, merge(tenth, 0._dp, options%rough))))
+  end function of_use
+
+  !> Newton's correction; where it moves a ring that rocks in its grooves too far, with all balls holding it.
+  subroutine find_correction(problem, solver, here, du, dt, accuracy, error)
+    type(problem_t), intent(inout) :: problem            !< problem with its tangents
+    class(linear_solver_t), intent(inout) :: solver      !< its linear solver
+    type(linearisation_t), intent(in) :: here            !< at the iterate
+    real(dp), intent(inout) :: du(:, :), dt(:, :)        !< correction
+    real(dp), intent(out) :: accuracy                    !< its backward error
+    type(error_t), allocatable, intent(out) :: error     !< linear solver
+    logical :: more
+    do
+      call solver%update(problem, here%dw, here%dt, error)
+      if (allocated(error)) return
+      call solve_checked(problem, solver, here%dw, here%dt, here%r_u, here%r_c, du, dt, accuracy, error)
+      if (allocated(error) .or. .not. allocated(problem%groove)) return
+      call hold_more(problem%groove, problem%struts, problem%strut_rate, du, more)
+      if (.not. more) return
+    end do
+  end subroutine find_correction
 
   !> Enter the values of the fixed dofs; a wheel keeps its turn.
   subroutine prescribe(problem, load, u)

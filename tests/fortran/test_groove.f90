@@ -78,7 +78,8 @@ contains
     call check_close(tangent(5), groove%hold, 1e-12_dp, 'a free one too')
     call groove_tangents(groove, struts, at, tangent)
     call hold_less(groove, struts, tangent, reshape([0._dp, 0._dp, 1e-3_dp*reach], [3, 1]))
-    call check(.not. groove%hold > 0 .and. all(abs(stiffness(tangent) - was) < 1e-9_dp*maxval(abs(was))), 'until corrections are short')
+    call check(.not. groove%hold > 0 .and. all(abs(stiffness(tangent) - was) < 1e-9_dp*maxval(abs(was))), &
+      'until corrections are short')
   contains
     !> Forces of the first ball by its tangents, for a way along the axis.
     function stiffness(tangent) result(f)

@@ -77,7 +77,7 @@ contains
   end subroutine groove_tangents
 
   !> A ring whose balls hardly push rocks in them almost freely, and a correction that moves it along the axis by a part of their
-  !> reach leads nowhere: all balls then hold it in Newton's matrix, stiffer at each call. Nothing is left to do where it moves less.
+  !> reach leads nowhere: all balls then hold it in Newton's matrix, stiffer at each call. Nothing is to do where it moves less.
   subroutine hold_more(groove, struts, rate, u, more)
     type(groove_t), intent(inout) :: groove  !< gets hold, cross
     type(strut_t), intent(in) :: struts(:)   !< all struts

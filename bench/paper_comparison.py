@@ -38,8 +38,8 @@ def premises():
     fast = {**DRIVE, "bearing.axial_hold": "fast"}
     found |= {f"ring held fast, clearance {c} µm": {**fast, **loose(c)} for c in (20, 35, 38, 40, 42, 45)}
     found |= {f"fine mesh, clearance {c} µm{words}": {**keys, **loose(c), "mesh.divisions": 86, "mesh.band_facets": 10}
-              for c in (40, 42) for words, keys in (("", DRIVE), (", ring held fast", fast))}
-    found |= {f"teeth as made, clearance {c} µm{words}": {**keys, **loose(c), "made": True} for c, words, keys in ((30, "", DRIVE), (40, ", ring held fast", fast))}
+              for c in (40, 42) for words, keys in (("", DRIVE), (", fast", fast))}
+    found |= {f"teeth as made, clearance {c} µm{words}": {**keys, **loose(c), "made": True} for c, words, keys in ((30, "", DRIVE), (40, ", fast", fast))}
     found |= {f"rigid balls, clearance {c} µm{words}": {**DRIVE, **loose(c), "bearing.balls": 0, **keys} for c, words, keys in (
         (30, "", {}), (40, "", {}), (45, "", {}), (60, "", {}), (50, ", friction 0.3", {"contact.friction": 0.3}), (50, ", angle 30°", {"load.pressure_angle_deg": 30}))}
     found |= {f"cup held, clearance {c} µm": {**CUP, **loose(c)} for c in (-10, 0, 20, 50)}

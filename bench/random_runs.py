@@ -134,6 +134,7 @@ def drive(i):
                                (0.1, "mesh.element", "hex20r"), (0.15, "solver.method", "newton"), (0.2, "mesh.through_wall", 2)):
         if r.random() < chance:
             keys[key] = value
+    keys["bearing.axial_hold"] = "grooves" if r.random() < 0.8 else "fast"
     return written(keys)
 
 
@@ -172,6 +173,7 @@ def loose(i):
     else:
         keys["load.tooth_clearance"] = r.uniform(0, 40e-6) * s
     keys["solver.kinematics"] = "linear" if r.random() < 0.9 else "nonlinear"
+    keys["bearing.axial_hold"] = "grooves" if r.random() < 0.8 else "fast"
     if keys["solver.kinematics"] == "nonlinear":
         keys |= {"load.torque_steps": 2, "loop.torques": [torque, 0]}
     return written(keys)

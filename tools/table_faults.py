@@ -101,7 +101,7 @@ def law_faults(balls, teeth, scene):
         force, closing = table["force_n"], table["closing_m"]
         if name == "ball" and scene["bearing.axial_hold"] == "grooves":  # along the line of the centres of its grooves
             reach = (scene["bearing.inner_conformity"] + scene["bearing.outer_conformity"] - 1) * scene["bearing.ball_diameter"]
-            load = np.hypot(force, table["axial_force_n"])
+            load = np.hypot(force, np.where(reach + closing > 0, table["axial_force_n"], 0))  # beyond, it pushes along the axis alone
             closing = np.where(force > 0, (reach + closing) * load / np.where(force > 0, force, 1) - reach, closing * (closing < 0))
             force = np.where(force < 0, force, load)
         if force.min() < 0 or force[closing <= 0].max(initial=0) > 0:

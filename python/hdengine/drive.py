@@ -32,7 +32,7 @@ RATIOS = (30, 200)  # of strain wave gears with two lobes: below, the teeth are 
 WIDTHS = ((30e-3, 21e-6, 9e-6), (50e-3, 25e-6, 11e-6), (80e-3, 30e-6, 13e-6), (120e-3, 35e-6, 15e-6), (150e-3, 40e-6, 18e-6),
           (180e-3, 40e-6, 25e-6), (250e-3, 46e-6, 30e-6))
 BEARINGS = ((35e-3, 6e-3), (42e-3, 7e-3), (62e-3, 9e-3))    # outer diameters and widths of flexible bearings [m]
-PLAY = 1e-6         # of the closest pair of teeth of size 14, round the axis [m]
+PLAY = 0.0          # of the closest pair of teeth of size 14, round the axis [m]
 SHORT = re.compile(r"[-+.\d\s,eEdD]+|\.?(true|false)\.?", re.IGNORECASE)  # a value that a namelist takes without quotes
 
 

@@ -3,7 +3,8 @@
 module test_groove
   use hd_kinds, only: dp
   use hd_check, only: check, check_close
-  use hd_groove, only: groove_t, groove_answers, groove_curvature, groove_energy, groove_forces, groove_tangents
+  use hd_groove, only: groove_t, groove_answers, groove_curvature, groove_energy, groove_forces, &
+    groove_tangents, hold_less, hold_more
   use hd_strut, only: strut_t
   implicit none
   private
@@ -19,8 +20,9 @@ contains
     type(groove_t) :: groove
     type(strut_t) :: struts(5)
     real(dp), dimension(5) :: at, force, low, high, tangent, none
-    real(dp) :: slope(2, 2), e(2), g(2)
+    real(dp) :: slope(2, 2), e(2), g(2), was(2)
     integer :: i, k
+    logical :: more
     groove = groove_t(2, 3, reach, [0._dp, 0._dp])
     struts%rate = rate
     struts%power = [1.5_dp, 1.5_dp, 1._dp, 1._dp, 1._dp]
@@ -61,7 +63,33 @@ contains
     end do
     call groove_tangents(groove, struts, [-1e-6_dp, 1e-6_dp, 0._dp, 1e-6_dp, 0._dp], tangent)
     call check(.not. any(abs(tangent([1, 4])) > 0) .and. all(tangent([2, 5]) > 0), 'a free ball holds nothing')
+    do i = 4, 5
+      struts(i)%node = [1]
+      struts(i)%weight = reshape([0._dp, 0._dp, 1._dp], [3, 1])
+    end do
+    at = [3e-6_dp, -5e-6_dp, 0._dp, 20e-6_dp, 0._dp]
+    call groove_tangents(groove, struts, at, tangent)
+    was = stiffness(tangent)
+    call hold_more(groove, struts, tangent, reshape([0._dp, 0._dp, 0.1_dp*reach], [3, 1]), more)
+    call check(.not. more, 'a short correction is left as it is')
+    call hold_more(groove, struts, tangent, reshape([0._dp, 0._dp, -reach], [3, 1]), more)
+    call check(more .and. groove%hold > 0, 'a long one is made again with all balls holding the ring')
+    call check(all(abs(stiffness(tangent) - was - [0._dp, groove%hold]) < 1e-9_dp*maxval(abs(was))), 'along the axis alone')
+    call check_close(tangent(5), groove%hold, 1e-12_dp, 'a free one too')
+    call groove_tangents(groove, struts, at, tangent)
+    call hold_less(groove, struts, tangent, reshape([0._dp, 0._dp, 1e-3_dp*reach], [3, 1]))
+    call check(.not. groove%hold > 0 .and. all(abs(stiffness(tangent) - was) < 1e-9_dp*maxval(abs(was))), &
+      'until corrections are short')
   contains
+    !> Forces of the first ball by its tangents, for a way along the axis.
+    function stiffness(tangent) result(f)
+      real(dp), intent(in) :: tangent(5)
+      real(dp) :: f(2), all_of(5)
+      all_of = 0
+      call groove_answers(groove, tangent, [0._dp, 0._dp, 0._dp, 1._dp, 0._dp], all_of)
+      f = all_of([1, 4])
+    end function stiffness
+
     function forces(at) result(f)
       real(dp), intent(in) :: at(5)
       real(dp) :: f(5)

@@ -28,7 +28,7 @@ def solve(exe, out, scene, *keys):
 @pytest.fixture(scope="module")
 def drive(exe, tmp_path_factory):
     """A drive over a loop, with friction of the flanks, that turns."""
-    return solve(exe, tmp_path_factory.mktemp("d") / "d", "data/drive14.nml", "load.torque_steps=6", "turning.positions=3", "turning.range_deg=6",
+    return solve(exe, tmp_path_factory.mktemp("d") / "d", "data/drive14.nml", "load.torque_steps=8", "turning.positions=3", "turning.range_deg=6",
                  "turning.torque=4", "load.tooth_friction=0.1", "bearing.cage_angle_deg=3")
 
 
@@ -209,9 +209,11 @@ def test_places_of_balls_and_teeth(drive):
 def test_loop_is_that_of_its_tables(drive):
     """loop.csv counts what balls.csv and teeth.csv hold; shares of the twist stand in the reference step, the last, and sum to 1."""
     tables, summary = drive
+    rounding = 1e-6 * tables["teeth"]["force_n"].max()
     for row, step in zip(tables["loop"], tables["steps"]):
         b = last(tables["balls"], row["step"])["force_n"]
         t = last(tables["teeth"], row["step"])["force_n"].reshape(-1, 2)
+        t = np.where(t > rounding, t, 0)
         assert row["ball_force_max_n"] == b.max() and row["balls_loaded"] == (b > 0).sum()
         assert row["tooth_force_max_n"] == t.max(initial=0) and row["pairs_loaded"] == (t > 0).any(1).sum()
         assert all(row[name] == step[name] for name in ("k_ts_nm_per_rad", "torque_nm", "wave_generator_torque_nm"))

@@ -70,9 +70,10 @@ def test_lame_on_meshes_that_do_not_match(swap):
 
 @pytest.mark.parametrize("swap", (False, True))
 def test_curved_patch(swap):
-    """On cylinders that do not match, hex8i, a uniform state leaves an even pressure to 1e-12, that of Lame within 2 %, either side slave."""
+    """On cylinders that do not match, hex8i, a uniform state leaves an even pressure to rounding, that of Lame within 2 %, either side slave. How
+    much that is hangs on the processor's BLAS: 1e-13 to 3.5e-11 of two."""
     r = cc.lame(80, 64, "hex8i", swap=swap)
-    assert r["unevenness"] < 1e-12 and abs(r["pressure_mean"]) < 0.02
+    assert r["unevenness"] < 1e-10 and abs(r["pressure_mean"]) < 0.02
 
 
 def test_holding_torque():

@@ -13,6 +13,7 @@ module hd_newton
   use hd_linear_solver, only: linear_solver_t
   use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, keep_state, new_state, update_tangent, &
     strain_bodies, apply_stiffness, largest_stiffness, pair_bodies, update_struts, strut_forces
+  use hd_groove, only: hold_less, hold_more
   use hd_contact_law, only: contact_law_t, evaluate_law, frictionless, open_state, stick_state, slip_state
   use hd_mortar, only: add_nodal_forces
   use hd_pairing, only: pairing_error
@@ -200,6 +201,7 @@ contains
     allocate (history(0))
     converged = .false.
     sliding = .false.
+    if (allocated(problem%groove)) problem%groove%hold = 0
     call solver%begin(problem, load, previous, error)
     if (allocated(error)) return
     if (allocated(problem%lagrangian)) guess = state
@@ -242,20 +244,45 @@ contains
       call globalise(problem, load, previous, row%iteration, state, here, global, history(size(history))%period)
       if (row%iteration > 0) call update_tangent(problem, state%u)
       call update_struts(problem, load, state%u)
+      if (allocated(problem%groove) .and. row%iteration > 0) call hold_less(problem%groove, problem%struts, problem%strut_rate, du)
       call count_ahead(problem, load, state%u, row%stick > 0, ahead, here%r_u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(searched, whole, search)
-      ! as accurate as the residual is small (Dembo, Eisenstat, Steihaug 1982), or little is left to do, or pairs move it up again
-      if (allocated(problem%pairing) .and. .not. search) solver%accuracy = &
-        max(whole, min(tenth, max(here%merit, tenth*options%tolerance/here%merit, merge(tenth, 0._dp, options%rough))))
-      call solver%update(problem, here%dw, here%dt, error)
-      if (allocated(error)) return
-      call solve_checked(problem, solver, here%dw, here%dt, here%r_u, here%r_c, du, dt, row%linear, error)
+      if (allocated(problem%pairing)) solver%accuracy = merge(whole, of_use(options, here%merit), ahead%some)
+      call find_correction(problem, solver, here, du, dt, row%linear, error)
       if (allocated(error) .or. .not. row%linear < useless) return
       row%iteration = row%iteration + 1
       call take_newton_step(problem, load, previous, du, dt, search, state, here, row%damping)
     end do
   end subroutine settle
+
+  !> Accuracy of a correction that the next one can use, where pairs move: as the residual is small (Dembo, Eisenstat, Steihaug
+  !> 1982), or little is left to do, or pairs move it up again. A wheel on its way over the play needs a whole one: one that stops
+  !> short of the other flank has got nowhere.
+  pure real(dp) function of_use(options, merit)
+    type(newton_options_t), intent(in) :: options  !< tolerance, and whether pairs will be moved
+    real(dp), intent(in) :: merit                  !< relative residual
+    of_use = max(whole, min(tenth, max(merit, tenth*options%tolerance/merit, merge(tenth, 0._dp, options%rough))))
+  end function of_use
+
+  !> Newton's correction; where it moves a ring that rocks in its grooves too far, with all balls holding it.
+  subroutine find_correction(problem, solver, here, du, dt, accuracy, error)
+    type(problem_t), intent(inout) :: problem            !< problem with its tangents
+    class(linear_solver_t), intent(inout) :: solver      !< its linear solver
+    type(linearisation_t), intent(in) :: here            !< at the iterate
+    real(dp), intent(inout) :: du(:, :), dt(:, :)        !< correction
+    real(dp), intent(out) :: accuracy                    !< its backward error
+    type(error_t), allocatable, intent(out) :: error     !< linear solver
+    logical :: more
+    do
+      call solver%update(problem, here%dw, here%dt, error)
+      if (allocated(error)) return
+      call solve_checked(problem, solver, here%dw, here%dt, here%r_u, here%r_c, du, dt, accuracy, error)
+      if (allocated(error) .or. .not. allocated(problem%groove)) return
+      call hold_more(problem%groove, problem%struts, problem%strut_rate, du, more)
+      if (.not. more) return
+    end do
+  end subroutine find_correction
 
   !> Enter the values of the fixed dofs; a wheel keeps its turn.
   subroutine prescribe(problem, load, u)

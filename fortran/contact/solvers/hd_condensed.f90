@@ -360,8 +360,9 @@ contains
     logical :: krylov
     part = pack(list, list <= mirrored)
     n = sum(system%rank(part))
-    krylov = self%sides*self%steps*2*self%compliance%apply_flops/apply_rate < &
-      2*n**3/3/dense_rate + n**2*pair_time*self%compliance%products .or. n > largest_dense
+    krylov = n > largest_dense
+    if (.not. (krylov .or. allocated(self%factors))) krylov = self%sides*self%steps*2*self%compliance%apply_flops/apply_rate < &
+      2*n**3/3/dense_rate + n**2*pair_time*self%compliance%products
     if (krylov) then
       call system%solve_krylov(list, w, self%border, self%accuracy, most_steps, dtraction, steps, residual, error)
       if (allocated(error)) return

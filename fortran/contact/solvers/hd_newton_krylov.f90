@@ -26,6 +26,7 @@ module hd_newton_krylov
   integer, parameter :: most_steps = 40          !< of GMRES, then it starts again from what it found,
   integer, parameter :: most_starts = 3          !< so often,
   real(dp), parameter :: falls = 0.3_dp          !< where each start leaves less than this share of the residual
+  real(dp), parameter :: per_digit = 2           !< steps expected for a tenth of the residual: 1 to 3 in drives
   real(dp), parameter :: stalled = 1e-3_dp       !< relative residual after them from which exact factors take over
 
   !> Share of their weights by which pairs may have moved beside those of the preconditioner, about the way over a facet's length.
@@ -255,6 +256,7 @@ contains
       dtraction = dtraction(:, self%sharing%representative)*self%sharing%sign
     end if
     call pack_residual(problem, du, dtraction, b)
+    self%near%sides = nint(max(1._dp, -per_digit*log10(self%accuracy)))
     self%near%accuracy = 1e-3_dp  ! 1e-2 takes twice the steps, 1e-4 no fewer
     allocate (dx(size(b)), left(size(b)))
     x = 0

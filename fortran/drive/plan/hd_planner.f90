@@ -30,7 +30,8 @@ module hd_planner
   real(dp), parameter :: small = 0.3_dp         !< of the tolerance: load steps whose doubling changes less are good enough
   real(dp), parameter :: half = 0.5_dp          !< of it: what a simpler model may change
   real(dp), parameter :: unsure = 0.1_dp        !< of a correction that two coarse meshes agree on: what it is off by at least
-  real(dp), parameter :: accuracy = 1e-3_dp     !< of the tolerance: residual of Newton's method
+  real(dp), parameter :: accuracy = 1e-3_dp     !< of the tolerance: residual of Newton's method,
+  real(dp), parameter :: of_loops = 1e-4_dp     !< and of loops, whose ring hangs in its grooves without a torque
   real(dp), parameter :: few_more = 1.1_dp      !< growth of a run's time from the trial's with the facets,
   real(dp), parameter :: taken = 0.2_dp         !< run over trial, whose attempts it takes over,
   real(dp), parameter :: started = 0.4_dp       !< and from a coarser mesh under large displacements; all three by judgement
@@ -283,8 +284,9 @@ contains
       plan%scene%assembly_steps = 1
       plan%scene%torque_steps = min(1, plan%scene%torque_steps)
     end if
-    plan%scene%tolerance = max(plan%scene%tolerance, accuracy*plan%scene%planned_tolerance)
-    call note(plan, 'Newton iterations to a residual of '//to_text(plan%scene%tolerance)//': a thousandth of the tolerance')
+    plan%scene%tolerance = max(plan%scene%tolerance, &
+      merge(of_loops, accuracy, plan%scene%support%loop)*plan%scene%planned_tolerance)
+    call note(plan, 'Newton iterations to a residual of '//to_text(plan%scene%tolerance)//': a small part of the tolerance')
     call choose_kinematics(trials, plan, error)
     if (.not. allocated(error) .and. plan%scene%support%struts) call choose_wave_generator(trials, plan, error)
     if (.not. allocated(error)) call choose_steps(trials, plan, error)

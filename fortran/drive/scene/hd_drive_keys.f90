@@ -41,7 +41,7 @@ contains
     call add_real(t, 'bearing', 'ball_nu', 'model', s%ball_nu, '', -1._dp, 0.5_dp, "Poisson's ratio of the balls")
     call add_real(t, 'bearing', 'ball_rate', 'model', s%ball_rate, 'N/m^1.5', 0._dp, big, &
       'force of a ball over its approach to the power 3/2; 0: by Hertz from diameter, grooves and materials', closed=.true.)
-    call add_choice(t, 'bearing', 'axial_hold', 'model', s%axial_hold, 'fast grooves', &
+    call add_choice(t, 'bearing', 'axial_hold', 'model', s%axial_hold, 'grooves fast', &
       'what keeps the ring in place along the axis. grooves: the balls, each by its force and the sections of its grooves; '// &
       'fast: the middle of its inner face does not move along the axis')
     call add_real(t, 'bearing', 'patch_length', 'model', s%patch_length, 'm', 0._dp, big, &

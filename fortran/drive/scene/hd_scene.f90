@@ -67,7 +67,7 @@ module hd_scene
     real(dp) :: ball_diameter = 3.2e-3_dp, inner_conformity = 0.52_dp, outer_conformity = 0.52_dp, ball_clearance = 0
     real(dp) :: groove_depth = 0, cage_angle_deg = 0, ball_e = 208e9_dp, ball_nu = 0.3_dp, patch_length = 0, patch_width = 0, &
       ball_rate = 0
-    character(len=name_length) :: axial_hold = 'fast'
+    character(len=name_length) :: axial_hold = 'grooves'
     ! loop: torques of the whole drive
     real(dp) :: torques(most_torques) = 0, torque_1 = 2, torque_2 = 6.9_dp, rated_torque = 7.8_dp
     integer :: torque_count = 1

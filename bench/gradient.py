@@ -27,9 +27,9 @@ def run(engine, scene, *choices):
     return [min(runs, key=lambda pair: pair[0]) for runs in found]
 
 
-def parts(engine):
+def parts(engine, *keys):
     """Processor time of drive14 by part; what is neither of three is one part here."""
-    (cpu, summary), = run(engine, SCENES["drive14"], ())
+    (cpu, summary), = run(engine, SCENES["drive14"], keys)
     times = summary["timers_s"]
     times = {part: times[part] for part in ("setup", "newton", "stiffness", "total")}
     times["fields, stress, output"] = 2 * times["total"] - sum(times.values())
@@ -49,7 +49,7 @@ def cost(scene):
 def main(words):
     """Measure."""
     before = parts(words[0]) if words else read_record("gradient")["before"]
-    write_record("gradient", {"before": before, "now": parts(program("hdengine.x")), "cost": [cost(scene) for scene in SCENES]}, threads=1)
+    write_record("gradient", {"before": before, "now": parts(program("hdengine.x"), "bearing.axial_hold=fast"), "cost": [cost(scene) for scene in SCENES]}, threads=1)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from common import measured, program, read_prints, solve, write_record
+from common import ROOT, measured, program, read_prints, solve, write_record
 from hdengine.export.cards import body_cards, equation_cards, node_cards, set_cards, strut_cards
 from hdengine.export.deck import flank_weights
 from hdengine.table_file import read_csv
@@ -117,7 +117,7 @@ def main():
     """Both codes, one record."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        summary, done = solve("drive14.nml", *(f"{k}={v}" for k, v in KEYS.items()), "output.vtu=last", out=folder / "ours")
+        summary, done = solve(ROOT / "tests/cases/pressed_drive.nml", *(f"{k}={v}" for k, v in KEYS.items()), "output.vtu=last", out=folder / "ours")
         if done.code != 0:
             raise SystemExit(done.text)
         loop, balls, teeth = (read_csv(folder / "ours" / f) for f in ("loop.csv", "balls.csv", "teeth.csv"))

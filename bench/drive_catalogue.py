@@ -139,7 +139,7 @@ def draw(rows):
     figure, axes = new_axes(figsize=(8, 4.8))
     fits = np.array([found[f"{c:g}"] for c in FITS[1:5]])
     axes.fill_between(middle, fits.min(axis=0), fits.max(axis=0), color="C0", alpha=0.2, lw=0, label="clearance of the fit 0 to 18 µm")
-    axes.annotate("play of the teeth", (1.6, 15), (4, 8), arrowprops={"arrowstyle": "->"}, fontsize=12)
+    axes.annotate("the gap of the fit closes", (10, 19), (2, 4), arrowprops={"arrowstyle": "->"}, fontsize=12)
     axes.plot(middle, found["bonded"], "C1", lw=2.5, label="ring glued to the cup")
     axes.plot(middle, found["9"], "C0", lw=2.5, label="contact with friction, clearance 9 µm")
     axes.step((0, UNITS[20].t1_nm, UNITS[20].t2_nm, edges[-1]), (k[0], *k), "k--", lw=2, label="catalogue, K1 K2 K3")

@@ -67,7 +67,7 @@ def with_teeth(keys, x2=None):
     with tempfile.TemporaryDirectory() as folder:
         words = [f"{k}={v}" for k, v in {**COARSE, **keys, "loop.torques": "0,0", "load.torque_steps": 1}.items() if k != "scene"]
         solve(f"{keys['scene']}.nml", *words, "output.vtu=last", out=f"{folder}/rim")
-        found = tooth_gaps(Involute(2.54e-3 * 14 / 200, x2=x2), f"{folder}/rim", least_gap=None if x2 else 0.0)
+        found = tooth_gaps(Involute(2.54e-3 * 14 / 200, x2=x2), f"{folder}/rim")
     return {**keys, **{f"load.{k}": ", ".join(f"{v:.4g}" for v in found.keys()[f"load.{k}"]) for k in ("tooth_gaps", "tooth_gaps_back")}}, found.facts["x2"]
 
 

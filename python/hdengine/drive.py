@@ -6,7 +6,6 @@ Sources and ranges: docs/explain/drive.md, inputs. Lengths that are not known of
 from __future__ import annotations
 
 import argparse
-import math
 import re
 import tempfile
 from pathlib import Path
@@ -32,7 +31,6 @@ RATIOS = (30, 200)  # of strain wave gears with two lobes: below, the teeth are 
 WIDTHS = ((30e-3, 21e-6, 9e-6), (50e-3, 25e-6, 11e-6), (80e-3, 30e-6, 13e-6), (120e-3, 35e-6, 15e-6), (150e-3, 40e-6, 18e-6),
           (180e-3, 40e-6, 25e-6), (250e-3, 46e-6, 30e-6))
 BEARINGS = ((35e-3, 6e-3), (42e-3, 7e-3), (62e-3, 9e-3))    # outer diameters and widths of flexible bearings [m]
-PLAY = 0.0          # of the closest pair of teeth of size 14, round the axis [m]
 SHORT = re.compile(r"[-+.\d\s,eEdD]+|\.?(true|false)\.?", re.IGNORECASE)  # a value that a namelist takes without quotes
 
 
@@ -107,15 +105,14 @@ def _scene(size, ratio, hat):
     return {group: {key: _rounded(value) for key, value in keys.items()} for group, keys in groups.items()}
 
 
-def _gaps(groups, size, ratio, angle):
-    """Clearances of the teeth: an involute rack of 20 degrees on the rim of the assembled drive, the closest pair with its play."""
+def _gaps(groups, size, ratio):
+    """Clearances of the teeth: an involute rack of 20 degrees on the assembled rim, where the closest pair just touches."""
     module = 2.54e-3 * size / (2 * ratio)
-    play = PLAY * size / 14 * math.cos(math.radians(angle))
     assembly = groups | {"loop": {"torques": "0,0"}, "load": groups["load"] | {"torque_steps": 1}, "run": {"band": False},
                          "turning": {}, "output": {"vtu": "last"}}
     with tempfile.TemporaryDirectory() as folder:
         run("", f"{folder}/rim", show=False, **cast("SceneKeys", assembly))
-        keys = tooth_gaps(Involute(module=module), f"{folder}/rim", least_gap=play).keys()
+        keys = tooth_gaps(Involute(module=module), f"{folder}/rim").keys()
     return {key: keys[f"load.{key}"] for key in ("tooth_gaps", "tooth_gaps_back")}
 
 
@@ -169,7 +166,7 @@ def as_built(size: int, ratio: int = 100, hat: bool = False, **keys: Value) -> d
     if scene["load.teeth"] != 2 * ratio:
         raise InputError(f"load.teeth = {scene['load.teeth']} with ratio = {ratio}: must be twice that; give the ratio alone")
     if not groups["load"].keys() & {"tooth_gaps", "tooth_clearance"}:
-        groups["load"] |= _gaps(groups, size, ratio, scene["load.pressure_angle_deg"])
+        groups["load"] |= _gaps(groups, size, ratio)
     return {group: members for group, members in groups.items() if members}
 
 

@@ -98,7 +98,7 @@ contains
     type(strut_t), intent(in) :: struts(:)   !< all struts
     real(dp), intent(inout) :: rate(:)       !< tangents without a hold (struts) [N/m]
     real(dp), intent(in) :: u(:, :)          !< correction before (3, n) [m]
-    real(dp), parameter :: short = 0.025_dp
+    real(dp), parameter :: short = long/10
     if (farthest(groove, struts, u) < short*groove%reach) groove%hold = groove%hold/stiffer
     if (groove%hold < least_hold(groove, struts)) groove%hold = 0
     if (groove%hold > 0) call add_hold(groove, rate, groove%hold)
@@ -128,14 +128,11 @@ contains
     type(groove_t), intent(inout) :: groove  !< gets cross
     real(dp), intent(inout) :: rate(:)       !< tangents (struts) [N/m]
     real(dp), intent(in) :: hold             !< [N/m]
-    real(dp) :: less
     integer :: i
     do i = 1, groove%balls
       associate (c => rate(i), v => rate(groove%before + i))
-        less = 0
-        if (c > 0) then
-          less = hold/(1 + hold/v)
-          c = 1/(1/c - less*groove%cross(i)**2)
+        if (c > 0) then  ! else the ball is free: no cross
+          c = 1/(1/c - hold/(1 + hold/v)*groove%cross(i)**2)
           groove%cross(i) = groove%cross(i)/(1 + hold/v)
         end if
         v = v + hold

@@ -248,6 +248,7 @@ contains
       call count_ahead(problem, load, state%u, row%stick > 0, ahead, here%r_u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(searched, whole, search)
+      ! a wheel on its way over the play needs a whole correction: one that stops short of the other flank has got nowhere
       if (allocated(problem%pairing)) solver%accuracy = merge(whole, of_use(options, here%merit), ahead%some)
       call find_correction(problem, solver, here, du, dt, row%linear, error)
       if (allocated(error) .or. .not. row%linear < useless) return
@@ -257,8 +258,7 @@ contains
   end subroutine settle
 
   !> Accuracy of a correction that the next one can use, where pairs move: as the residual is small (Dembo, Eisenstat, Steihaug
-  !> 1982), or little is left to do, or pairs move it up again. A wheel on its way over the play needs a whole one: one that stops
-  !> short of the other flank has got nowhere.
+  !> 1982), or little is left to do, or pairs move it up again.
   pure real(dp) function of_use(options, merit)
     type(newton_options_t), intent(in) :: options  !< tolerance, and whether pairs will be moved
     real(dp), intent(in) :: merit                  !< relative residual

@@ -150,11 +150,12 @@ def plot_fatigue(result: Result) -> Figure:
                  label=f"least safety {table['safety'][worst]:.2f}")
     axes[0].set(xlabel="mean stress / MPa", ylabel="amplitude / MPa", ylim=(0, None))
     axes[0].legend(fontsize=10)
-    wall = table["r_m"] > 0.9 * table["r_m"].max()
-    axes[1].plot(1e3 * table["z_m"][wall], table["safety"][wall], "o", ms=4, color=COLOURS[0], label="wall")
+    way = table["z_m"] + abs(table["r_m"] - table["r_m"][table["z_m"].argmin()])   # wall, then bottom or flange
+    axes[1].plot(1e3 * way, table["safety"], "o", ms=4, color=COLOURS[0], label="points of the cup")
+    axes[1].plot(1e3 * way[worst], table["safety"][worst], "s", ms=8, color=COLOURS[2])
     axes[1].axhline(1, color=COLOURS[1], label="limit: safety 1")
-    axes[1].set_ylim(0, min(10, 1.1 * max(1.1, table["safety"][wall].max())))
-    axes[1].set(xlabel="distance from the opening / mm", ylabel="safety against fatigue")
+    axes[1].set_ylim(0, min(10, 1.1 * max(1.1, table["safety"].max())))
+    axes[1].set(xlabel="way from the opening to the hub / mm", ylabel="safety against fatigue")
     axes[1].legend(fontsize=10)
     figure.suptitle(f"stress cycle of one turn at {table['torque_nm'][0]:.3g} N m", fontsize=12)
     return figure

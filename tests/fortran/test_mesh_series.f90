@@ -23,7 +23,7 @@ contains
     q(2, :) = 7 - 3/rows**1.5_dp
     q(3, :) = 3 + [0._dp, 0._dp, 0.3_dp, 0._dp, 0._dp, 0._dp]
     q(4, :) = 2 + 5/rows
-    call extrapolate(q, limit, estimate)
+    call extrapolate(.false., q, limit, estimate)
     call check_close(limit(1), 2._dp, 1e-12_dp, 'what moves in proportion to h^(3/2) has its limit at h = 0')
     call check_close(limit(2), 7._dp, 1e-12_dp, 'upwards, too')
     call check(estimate(1) >= 5/22._dp**1.5_dp/2*(1 - 1e-9_dp), 'the way to the limit is its error')
@@ -31,9 +31,12 @@ contains
     call check(estimate(3) > 0.01_dp, 'what it changed of the limit is its error')
     call check(abs(limit(4) - 2) < 2*estimate(4), &
       'the estimate covers half of a first order taken for one of three halves')
-    call extrapolate(q(:, :3), limit, estimate)
+    call extrapolate(.true., q(:, :3), limit, estimate)
     call check_close(limit(1), 2._dp, 1e-12_dp, 'three meshes give the line as well')
-    call check(estimate(1) > norm2([0.024_dp*2, 5/8._dp**1.5_dp])*(1 - 1e-9_dp), 'but agree by chance: that is added to the way')
+    call check(estimate(1) > norm2([0.02_dp*2, 5/8._dp**1.5_dp/2])*(1 - 1e-9_dp), &
+      'but agree by chance: that is added to half of the way')
+    call extrapolate(.true., q(:, :4), limit, estimate)
+    call check(estimate(1) < norm2([0.011_dp*2, 5/12._dp**1.5_dp/2]), 'four meshes less so')
     call check(first_judged(scene) == 5, 'pressures are judged from 16 rows on')
     do i = 1, 6
       if (i == 4) scene%support = support_of('drive')
@@ -54,6 +57,9 @@ contains
     call check(one%ring_divisions == 0 .and. one%ring_facets == 0, 'meshes of a plan match: slave and master are the same')
     call check_close(one%edge_length/two%edge_length, real(two%band_facets, dp)/one%band_facets, 1e-12_dp, &
       'edge cells keep their share of a row')
+    scene%support = support_of('drive')
+    one = meshed(scene, 5)
+    call check(.not. one%edge_length > 0, 'loops have none')
     call check_relative()
   end subroutine run_mesh_series
 

@@ -12,8 +12,8 @@ module hd_planner
   use hd_cost, only: estimate_memory_mb, allowed_memory_mb, check_memory
   use hd_error, only: error_t, code_not_converged
   use hd_log, only: say
-  use hd_mesh_series, only: levels, coarse, first_judged, first_level, expected_error, fine, share, share_of_four, &
-    meshed, extrapolate, small_displacements
+  use hd_mesh_series, only: levels, coarse, first_solved, first_judged, first_level, expected_error, fine, share, &
+    share_of_four, meshed, extrapolate, small_displacements
   use hd_model, only: model_t, forget_states, give_back
   use hd_promises, only: promise_t, promises, values, promises_of, wanted_of, k_of_steps, every_second, &
     is_field, relative
@@ -35,7 +35,7 @@ module hd_planner
   real(dp), parameter :: few_more = 1.1_dp      !< growth of a run's time from the trial's with the facets,
   real(dp), parameter :: taken = 0.2_dp         !< run over trial, whose attempts it takes over,
   real(dp), parameter :: started = 0.4_dp       !< and from a coarser mesh under large displacements; all three by judgement
-  integer, parameter :: few_steps = 4           !< of each leg of a loop on which kinematics are compared
+  integer, parameter :: few_steps = 4           !< of each leg of a loop on which models are compared
   integer, parameter :: doublings = 4           !< of load steps, at most
 
   type :: plan_t
@@ -145,13 +145,19 @@ contains
       integer, intent(in) :: level                         !< of the series of meshes
       real(dp), intent(out) :: small_q(values), large_q(values)  !< what they give
       type(scene_t) :: s
-      s = meshed(plan%scene, level)
-      if (s%support%loop) s%torque_steps = min(few_steps, s%torque_steps)
+      s = of_few_steps(meshed(plan%scene, level))
       call trials%try(s, small_q, error)
       s%kinematics = 'nonlinear'
       if (.not. allocated(error)) call trials%try(s, large_q, error)
     end subroutine try_both
   end subroutine choose_kinematics
+
+  !> A loop with few load steps.
+  pure type(scene_t) function of_few_steps(scene) result(s)
+    type(scene_t), intent(in) :: scene  !< scene
+    s = scene
+    if (s%support%loop) s%torque_steps = min(few_steps, s%torque_steps)
+  end function of_few_steps
 
   !> What a better model changes on a coarse mesh corrects the limits: numbers by a factor, fields by what they move.
   pure subroutine correct(plan, simple, better)
@@ -179,7 +185,7 @@ contains
       call note(plan, 'wave generator as the scene says')
       return
     end if
-    s = meshed(plan%scene, coarse(plan%scene))
+    s = of_few_steps(meshed(plan%scene, coarse(plan%scene)))
     call trials%try(s, balls_q, error)
     if (allocated(error)) return
     stiffness = trials%balls_of(s)
@@ -300,7 +306,7 @@ contains
     real(dp) :: limit(values)
     integer :: i
     plan%level = size(q, 2)
-    call extrapolate(q, limit, plan%doubt)
+    call extrapolate(plan%scene%support%loop, q, limit, plan%doubt)
     where (.not. abs(q(:, plan%level)) > 0) limit = 0
     limit = limit*plan%ratio + plan%moved
     where (abs(plan%moved) > 0) limit = max(limit, 0._dp)  ! pressures
@@ -342,7 +348,7 @@ contains
     end if
     now = meshed(plan%scene, coarse(plan%scene))
     q = 0
-    do level = coarse(scene) - 1, levels
+    do level = first_solved(scene), levels
       next = meshed(plan%scene, level)
       if (level > coarse(scene) .and. .not. fits(next)) then
         call note(plan, 'no finer mesh: '//to_text(next%divisions)//' x '//to_text(band_rows(next))//' facets need about '// &
@@ -482,7 +488,7 @@ contains
       'level divisions rows  error/% expected  estimate/s    run/s  in all/s       MB'
     start = first_level(scene)
     before = sum(trials%known%seconds)
-    do level = coarse(scene) - 1, levels
+    do level = first_solved(scene), levels
       s = meshed(plan%scene, level)
       seconds = base*(s%divisions*band_rows(s)/facets)**[growth, few_more]
       if (.not. s%large()) seconds(2) = taken*seconds(1)

@@ -4,7 +4,8 @@ module test_groove
   use hd_kinds, only: dp
   use hd_check, only: check, check_close
   use hd_groove, only: groove_t, groove_answers, groove_curvature, groove_energy, groove_forces, &
-    groove_tangents, hold_less, hold_more
+    groove_tangents
+  use hd_hold, only: hold_t, hold_less, hold_more
   use hd_strut, only: strut_t
   implicit none
   private
@@ -21,6 +22,7 @@ contains
     type(strut_t) :: struts(5)
     real(dp), dimension(5) :: at, force, low, high, tangent, none
     real(dp) :: slope(2, 2), e(2), g(2), was(2)
+    type(hold_t), allocatable :: holds(:)
     integer :: i, k
     logical :: more
     groove = groove_t(2, 3, reach, [0._dp, 0._dp])
@@ -70,16 +72,26 @@ contains
     at = [3e-6_dp, -5e-6_dp, 0._dp, 20e-6_dp, 0._dp]
     call groove_tangents(groove, struts, at, tangent)
     was = stiffness(tangent)
-    call hold_more(groove, struts, tangent, reshape([0._dp, 0._dp, 0.1_dp*reach], [3, 1]), more)
+    holds = [hold_t([4, 5], reach/4, 1e5_dp)]
+    call hold_more(holds, groove, struts, tangent, reshape([0._dp, 0._dp, 0.1_dp*reach], [3, 1]), more)
     call check(.not. more, 'a short correction is left as it is')
-    call hold_more(groove, struts, tangent, reshape([0._dp, 0._dp, -reach], [3, 1]), more)
-    call check(more .and. groove%hold > 0, 'a long one is made again with all balls holding the ring')
-    call check(all(abs(stiffness(tangent) - was - [0._dp, groove%hold]) < 1e-9_dp*maxval(abs(was))), 'along the axis alone')
-    call check_close(tangent(5), groove%hold, 1e-12_dp, 'a free one too')
+    call hold_more(holds, groove, struts, tangent, reshape([0._dp, 0._dp, -reach], [3, 1]), more)
+    call check(more .and. holds(1)%rate > 0, 'a long one is made again with all balls holding the ring')
+    call check(all(abs(stiffness(tangent) - was - [0._dp, holds(1)%rate]) < 1e-9_dp*maxval(abs(was))), 'along the axis alone')
+    call check_close(tangent(5), holds(1)%rate, 1e-12_dp, 'a free one too')
     call groove_tangents(groove, struts, at, tangent)
-    call hold_less(groove, struts, tangent, reshape([0._dp, 0._dp, 1e-3_dp*reach], [3, 1]))
-    call check(.not. groove%hold > 0 .and. all(abs(stiffness(tangent) - was) < 1e-9_dp*maxval(abs(was))), &
+    call hold_less(holds, groove, struts, tangent, reshape([0._dp, 0._dp, 1e-3_dp*reach], [3, 1]))
+    call check(.not. holds(1)%rate > 0 .and. all(abs(stiffness(tangent) - was) < 1e-9_dp*maxval(abs(was))), &
       'until corrections are short')
+    struts(3)%node = [1]
+    struts(3)%weight = reshape([0._dp, 1._dp, 0._dp], [3, 1])
+    holds = [hold_t([3], reach/4, 1e5_dp)]
+    do i = 1, 6
+      call hold_more(holds, struts=struts, rate=tangent, u=reshape([0._dp, reach, 0._dp], [3, 1]), more=more)
+      if (.not. more) exit
+    end do
+    call check(i == 5, 'four corrections of a ring that turns far are made again, each with a stiffer hold')
+    call check_close(tangent(3), 30**3*1e5_dp, 1e-12_dp*tangent(3), 'the last of all')
   contains
     !> Forces of the first ball by its tangents, for a way along the axis.
     function stiffness(tangent) result(f)

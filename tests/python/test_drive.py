@@ -238,19 +238,12 @@ def test_a_groove_for_the_balls(exe, tmp_path):
         assert done.returncode == 2 and told in done.stderr and done.stderr.count("error:") == 1, done.stderr
 
 
-def test_points_that_all_slip_are_said(exe, tmp_path):
-    """Drive 239 of bench/random_runs.py: a ring with clearance touches the cup at a few points, none of which sticks, and the
-    iteration may run in a cycle: at which eccentricity depends on rounding. Such a run ends with code 4 and says so, with the keys that
-    help; the others converge."""
-    def run(eccentricity):
-        return call(exe, ROOT / "tests/cases/pressed_hat.nml", *LOOSE, f"wave_generator.eccentricity={eccentricity}", "--out", tmp_path / "r",
-                    "--force", "-q")
-
-    found = [run(e) for e in (3e-05, 3.05e-05, 3.12481e-05, 3.15e-05, 3.2e-05, 3.5e-05)]
-    cycles = [done.stderr for done in found if done.returncode]
-    assert {done.returncode for done in found} == {0, 4}
-    for told in cycles:
-        assert "all of its contact (" in told and "bearing.cage_angle_deg" in told and "raise solver.max_iterations" not in told
+def test_a_ring_whose_points_all_slip_is_held(exe, tmp_path):
+    """Drive 239 of bench/random_runs.py: a ring with clearance touches the cup at a few points, none of which sticks; one of Newton's corrections
+    turned it by metres, and the iteration ran in a cycle at some eccentricities."""
+    for e in (3e-05, 3.05e-05, 3.12481e-05, 3.15e-05, 3.2e-05, 3.5e-05):
+        done = call(exe, ROOT / "tests/cases/pressed_hat.nml", *LOOSE, f"wave_generator.eccentricity={e}", "--out", tmp_path / "r", "--force", "-q")
+        assert done.returncode == 0, done.stderr
 
 
 def test_a_tolerance_below_rounding_is_named(exe, tmp_path):
@@ -470,10 +463,10 @@ def test_no_torque_turns_no_bottom(exe, tmp_path):
 
 
 def test_the_plan_measures_large_displacements_on_the_drive(exe):
-    """They correct the limits where they change K1 to K3 by more than half the tolerance: 2.6 % at w = 0.2 mm."""
-    done = call(exe, "--plan", ROOT / "tests/cases/pressed_drive.nml", *RISE, "run.tolerance=0.04", "bearing.model=given")
+    """They correct the limits where they change K1 to K3 by more than half the tolerance: 1.8 % at w = 0.2 mm."""
+    done = call(exe, "--plan", ROOT / "tests/cases/pressed_drive.nml", *RISE, "run.tolerance=0.03", "bearing.model=given")
     assert done.returncode == 0, done.stderr
-    assert 2 < changed_by_large_displacements(done.stdout, ", a correction known to [01]") < 6
+    assert 1.5 < changed_by_large_displacements(done.stdout, ", a correction known to [01]") < 6
 
 
 def test_clearances_of_single_pairs(exe, tmp_path):

@@ -7,14 +7,10 @@
 !> two struts (hd_strut), one of c and one of v, that share one energy. Harris, Rolling Bearing Analysis, 7.
 module hd_groove
   use hd_kinds, only: dp
-  use hd_strut, only: strut_t, closing_of, strut_energy, strut_force, strut_tangent
+  use hd_strut, only: strut_t, strut_energy, strut_force, strut_tangent
   implicit none
   private
-  public :: groove_t, groove_forces, groove_tangents, groove_answers, groove_energy, groove_curvature, hold_more, hold_less
-
-  real(dp), parameter :: stiffer = 30   !< factor between two stiffnesses of a hold
-  real(dp), parameter :: long = 0.25_dp   !< way along the axis of a correction over the reach that is too far
-  real(dp), parameter :: light = 0.01_dp  !< closing of a ball over the reach, whose force over the reach is the least hold
+  public :: groove_t, groove_forces, groove_tangents, groove_answers, groove_energy, groove_curvature, stiffen_way
 
   !> The first struts of a problem are balls; as many behind `before` take their ways along the axis.
   type :: groove_t
@@ -22,7 +18,6 @@ module hd_groove
     integer :: before = 0                   !< struts before those of the axial ways
     real(dp) :: reach = 0                   !< of the centres of the grooves' sections: both radii less the ball's diameter [m]
     real(dp), allocatable :: cross(:)       !< entry of the inverse tangent between c and v, at the present iterate (balls) [m/N]
-    real(dp) :: hold = 0                    !< stiffness along the axis that Newton's matrix adds to that of every ball [N/m]
   end type groove_t
 
 contains
@@ -76,69 +71,19 @@ contains
     end do
   end subroutine groove_tangents
 
-  !> A ring whose balls hardly push rocks in them almost freely, and a correction that moves it along the axis by a part of their
-  !> reach leads nowhere: all balls then hold it in Newton's matrix, stiffer at each call. Nothing is to do where it moves less.
-  subroutine hold_more(groove, struts, rate, u, more)
-    type(groove_t), intent(inout) :: groove  !< gets hold, cross
-    type(strut_t), intent(in) :: struts(:)   !< all struts
-    real(dp), intent(inout) :: rate(:)       !< tangents (struts) [N/m]
-    real(dp), intent(in) :: u(:, :)          !< correction (3, n) [m]
-    logical, intent(out) :: more             !< held, by new tangents
-    real(dp) :: before
-    more = groove%hold < stiffer**3*least_hold(groove, struts) .and. farthest(groove, struts, u) > long*groove%reach
-    if (.not. more) return
-    before = groove%hold
-    groove%hold = max(stiffer*groove%hold, least_hold(groove, struts))
-    call add_hold(groove, rate, groove%hold - before)
-  end subroutine hold_more
-
-  !> Let the ring go after a short correction, and hold it in the tangents of the next iterate.
-  subroutine hold_less(groove, struts, rate, u)
-    type(groove_t), intent(inout) :: groove  !< gets hold, cross
-    type(strut_t), intent(in) :: struts(:)   !< all struts
-    real(dp), intent(inout) :: rate(:)       !< tangents without a hold (struts) [N/m]
-    real(dp), intent(in) :: u(:, :)          !< correction before (3, n) [m]
-    real(dp), parameter :: short = long/10
-    if (farthest(groove, struts, u) < short*groove%reach) groove%hold = groove%hold/stiffer
-    if (groove%hold < least_hold(groove, struts)) groove%hold = 0
-    if (groove%hold > 0) call add_hold(groove, rate, groove%hold)
-  end subroutine hold_less
-
-  !> Least stiffness of a hold [N/m].
-  pure real(dp) function least_hold(groove, struts) result(h)
-    type(groove_t), intent(in) :: groove    !< grooves
-    type(strut_t), intent(in) :: struts(:)  !< all struts
-    h = strut_force(struts(1), light*groove%reach)/groove%reach
-  end function least_hold
-
-  !> Longest way along the axis of a ball [m].
-  pure real(dp) function farthest(groove, struts, u) result(way)
-    type(groove_t), intent(in) :: groove    !< grooves
-    type(strut_t), intent(in) :: struts(:)  !< all struts
-    real(dp), intent(in) :: u(:, :)         !< displacements (3, n) [m]
-    integer :: i
-    way = 0
-    do i = groove%before + 1, groove%before + groove%balls
-      way = max(way, abs(closing_of(struts(i), u)))
-    end do
-  end function farthest
-
-  !> Add a stiffness along the axis to the tangents of all balls.
-  pure subroutine add_hold(groove, rate, hold)
+  !> Tangents of a ball whose way along the axis becomes stiffer, but for that of this way.
+  pure subroutine stiffen_way(groove, strut, more, rate)
     type(groove_t), intent(inout) :: groove  !< gets cross
-    real(dp), intent(inout) :: rate(:)       !< tangents (struts) [N/m]
-    real(dp), intent(in) :: hold             !< [N/m]
+    integer, intent(in) :: strut             !< one of any kind; those of axial ways have a ball
+    real(dp), intent(in) :: more             !< [N/m]
+    real(dp), intent(inout) :: rate(:)       !< tangents, this one as it was (struts) [N/m]
     integer :: i
-    do i = 1, groove%balls
-      associate (c => rate(i), v => rate(groove%before + i))
-        if (c > 0) then  ! else the ball is free: no cross
-          c = 1/(1/c - hold/(1 + hold/v)*groove%cross(i)**2)
-          groove%cross(i) = groove%cross(i)/(1 + hold/v)
-        end if
-        v = v + hold
-      end associate
-    end do
-  end subroutine add_hold
+    i = strut - groove%before
+    if (i < 1 .or. i > groove%balls) return
+    if (.not. rate(i) > 0) return  ! the ball is free: no cross
+    rate(i) = 1/(1/rate(i) - more/(1 + more/rate(strut))*groove%cross(i)**2)
+    groove%cross(i) = groove%cross(i)/(1 + more/rate(strut))
+  end subroutine stiffen_way
 
   !> Forces of the balls by their present tangents.
   pure subroutine groove_answers(groove, rate, closing, force)

@@ -13,8 +13,8 @@ module hd_newton
   use hd_linear_solver, only: linear_solver_t
   use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, keep_state, new_state, update_tangent, &
     strain_bodies, apply_stiffness, largest_stiffness, pair_bodies, update_struts, strut_forces
-  use hd_groove, only: hold_less, hold_more
   use hd_contact_law, only: contact_law_t, evaluate_law, frictionless, open_state, stick_state, slip_state
+  use hd_hold, only: hold_less, hold_more
   use hd_mortar, only: add_nodal_forces
   use hd_pairing, only: pairing_error
   use hd_strut_step, only: ahead_t, count_ahead
@@ -201,7 +201,7 @@ contains
     allocate (history(0))
     converged = .false.
     sliding = .false.
-    if (allocated(problem%groove)) problem%groove%hold = 0
+    if (allocated(problem%holds)) problem%holds%rate = 0
     call solver%begin(problem, load, previous, error)
     if (allocated(error)) return
     if (allocated(problem%lagrangian)) guess = state
@@ -244,7 +244,8 @@ contains
       call globalise(problem, load, previous, row%iteration, state, here, global, history(size(history))%period)
       if (row%iteration > 0) call update_tangent(problem, state%u)
       call update_struts(problem, load, state%u)
-      if (allocated(problem%groove) .and. row%iteration > 0) call hold_less(problem%groove, problem%struts, problem%strut_rate, du)
+      if (allocated(problem%holds) .and. row%iteration > 0) call hold_less(problem%holds, problem%groove, problem%struts, &
+        problem%strut_rate, du)
       call count_ahead(problem, load, state%u, row%stick > 0, ahead, here%r_u)
       search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(searched, whole, search)
@@ -265,7 +266,7 @@ contains
     of_use = max(whole, min(tenth, max(merit, tenth*options%tolerance/merit, merge(tenth, 0._dp, options%rough))))
   end function of_use
 
-  !> Newton's correction; where it moves a ring that rocks in its grooves too far, with all balls holding it.
+  !> Newton's correction; where it moves a ring too far that nothing holds, with its holds.
   subroutine find_correction(problem, solver, here, du, dt, accuracy, error)
     type(problem_t), intent(inout) :: problem            !< problem with its tangents
     class(linear_solver_t), intent(inout) :: solver      !< its linear solver
@@ -278,8 +279,8 @@ contains
       call solver%update(problem, here%dw, here%dt, error)
       if (allocated(error)) return
       call solve_checked(problem, solver, here%dw, here%dt, here%r_u, here%r_c, du, dt, accuracy, error)
-      if (allocated(error) .or. .not. allocated(problem%groove)) return
-      call hold_more(problem%groove, problem%struts, problem%strut_rate, du, more)
+      if (allocated(error) .or. .not. allocated(problem%holds)) return
+      call hold_more(problem%holds, problem%groove, problem%struts, problem%strut_rate, du, more)
       if (.not. more) return
     end do
   end subroutine find_correction

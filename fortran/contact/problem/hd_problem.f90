@@ -13,6 +13,7 @@ module hd_problem
   use hd_pairing, only: pairing_t, pair_faces
   use hd_flank_friction, only: rub_t, strut_laws, rubbed_answers, give_way_rubbing, memories
   use hd_groove, only: groove_t, groove_forces, groove_tangents, groove_answers
+  use hd_hold, only: hold_t
   use hd_vector, only: add, many, set
   use hd_strut, only: strut_t, placing_t, closing_of, push, strut_force, strut_tangent, answers, give_way
   implicit none
@@ -49,6 +50,7 @@ module hd_problem
     real(dp), allocatable :: strut_rate(:)     !< their tangents at the present iterate [N/m]
     real(dp), allocatable :: strut_give(:, :)  !< compliance of what they stand on; unallocated: rigid [m/N]
     type(groove_t), allocatable :: groove      !< of struts that are balls, which hold along the axis too; unallocated: none
+    type(hold_t), allocatable :: holds(:)      !< of a ring, in Newton's matrix; unallocated: none
     type(rub_t), allocatable :: rub            !< friction of struts, the last ones being companions of others; unallocated: none
     integer, allocatable :: loose(:)           !< bodies that contact, struts or soft springs hold in some rigid motions:
     logical, allocatable :: loose_ways(:, :)   !< of x, y, the turn about the axis, z, turns about x and y (6, loose)

@@ -6,13 +6,14 @@ module hd_ball_bearing
   use hd_ball_patch, only: ball_patch_t
   use hd_face, only: face_t
   use hd_groove, only: groove_t
+  use hd_hold, only: hold_t
   use hd_hertz, only: point_contact_t, ball_on_race, contact_rate, in_series, semi_axes
   use hd_race, only: race_radius
   use hd_scene, only: scene_t
   use hd_strut, only: strut_t
   implicit none
   private
-  public :: ball_angles, ball_patches, ball_struts, axial_struts, ball_grooves
+  public :: ball_angles, ball_patches, ball_struts, axial_struts, ball_grooves, ring_holds
 
   !> Force over the contact's modulus that its ellipse is taken at [m^2]: 100 N of steel.
   real(dp), parameter :: usual_load = 8.53e-10_dp
@@ -114,6 +115,22 @@ contains
     integer, intent(in) :: before        !< struts
     groove = groove_t(scene%balls, before, reach(scene), spread(0._dp, 1, scene%balls))
   end function ball_grooves
+
+  !> Holds of a ring on balls: by all of them along the axis, by a strut that takes its turn.
+  function ring_holds(scene, brake, groove) result(holds)
+    type(scene_t), intent(in) :: scene               !< scene
+    integer, intent(in) :: brake                     !< this strut, 0: none
+    type(groove_t), intent(in), optional :: groove   !< grooves, if there are any
+    type(hold_t), allocatable :: holds(:)
+    real(dp), parameter :: long = 0.25_dp            !< way of a correction over the reach that is too far
+    real(dp), parameter :: light = 0.01_dp           !< closing of a ball over it, whose force over the reach is the least hold
+    real(dp) :: least
+    integer :: i
+    allocate (holds(0))
+    least = ball_rate(scene)*light**1.5_dp*sqrt(reach(scene))
+    if (present(groove)) holds = [holds, hold_t([(groove%before + i, i=1, groove%balls)], long*reach(scene), least)]
+    if (brake > 0) holds = [holds, hold_t([brake], long*reach(scene), least)]
+  end function ring_holds
 
   !> Distance of the centres of a ball's grooves where all just touch [m].
   pure real(dp) function reach(scene)

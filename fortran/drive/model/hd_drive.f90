@@ -5,7 +5,7 @@
 !> with contact.slave = 'cup'. Tractions and relative displacements are those of the cup against the ring in either case.
 module hd_drive
   use hd_kinds, only: dp, pi, hair
-  use hd_ball_bearing, only: axial_struts, ball_angles, ball_grooves, ball_patches, ball_struts
+  use hd_ball_bearing, only: axial_struts, ball_angles, ball_grooves, ball_patches, ball_struts, ring_holds
   use hd_ball_patch, only: ball_patch_t
   use hd_cam, only: cam_t, new_cam, curve_t, new_curve
   use hd_error, only: error_t
@@ -56,6 +56,7 @@ module hd_drive
     integer :: flanks = 0                    !< the next flanks, two for each pair,
     integer :: stays = 0                     !< then what keeps a ring from turning and the axial ways of balls in grooves; last
                                              !< come companions of flanks that rub
+    integer :: brake = 0                     !< of the stays the one that is there in Newton's matrix alone, 0: none
     real(dp), allocatable :: way(:)          !< radial way of the cam at the balls, less clearance, after the assembly [m]
     real(dp), allocatable :: slope(:)        !< its derivative round the axis; without balls at the nodes of `inner` [m/rad]
   end type drive_t
@@ -234,7 +235,11 @@ contains
     associate (problem => drive%problem, ring => drive%problem%bodies(drive%b_ring))
       problem%struts = flank_struts(scene, problem%bodies(drive%b_cup), drive%rim, problem%first(drive%b_cup))
       drive%stays = 0
-      if (scene%large() .and. scene%balls > 0 .and. scene%frictionless()) call add_stays(drive, [turn_stay(drive)])
+      drive%brake = 0
+      if (scene%balls > 0 .and. (scene%large() .or. .not. scene%frictionless())) then
+        call add_stays(drive, [turn_stay(drive, scene%frictionless())])
+        if (.not. scene%frictionless()) drive%brake = drive%balls + drive%flanks + 1
+      end if
       call strip_face(drive%ring, ring, 1, 1, size(drive%ring%inner, 2), drive%radius - scene%ring_thickness, inside)
       if (scene%balls > 0) then
         patch = ball_patches(scene, inside, ring%sectors, problem%first(drive%b_ring))
@@ -245,6 +250,7 @@ contains
           call add_stays(drive, axial_struts(scene, patch))
         end if
         problem%struts = [ball_struts(scene, patch), problem%struts]
+        problem%holds = ring_holds(scene, drive%brake, problem%groove)
         if (allocated(problem%pairing)) problem%placing = patch
       end if
       problem%strut_rate = [0._dp*problem%struts%rate]
@@ -261,10 +267,12 @@ contains
   end subroutine set_struts
 
   !> Without friction nothing resists the turn of a ring on balls, and large displacements let it drift. It is a body of revolution
-  !> and may stand anywhere: a stay holds the mean of what its inner face has come round the axis, and nothing else.
-  type(strut_t) function turn_stay(drive) result(stay)
+  !> and may stand anywhere: a stay holds the mean of what its inner face has come round the axis, and nothing else. With friction it
+  !> is a brake.
+  type(strut_t) function turn_stay(drive, pulls) result(stay)
     type(drive_t), intent(in) :: drive   !< drive
-    stay%pulls = .true.
+    logical, intent(in) :: pulls         !< else a brake
+    stay%pulls = pulls
     stay%power = 1
     stay%rate = drive%problem%law%scale*drive%radius**2
     stay%node = nodes_on(drive, drive%b_ring, drive%ring%inner)
@@ -493,6 +501,7 @@ contains
     type(state_t), intent(in), optional :: state, before  !< as of drive_load
     load%closing = [real(dp) :: assembly*drive%way, spread(absent, 1, drive%flanks), &
       spread(0._dp, 1, size(drive%problem%struts) - drive%balls - drive%flanks)]
+    if (drive%brake > 0) load%closing(drive%brake) = absent
     load%past = reshape([real(dp) ::], [memories, size(load%closing) - drive%balls - drive%flanks - drive%stays], pad=[0._dp])
     if (present(state)) then
       if (size(state%touch) > 0) load%closing(drive%balls + 1:drive%balls + drive%flanks) = state%touch

@@ -253,6 +253,7 @@ contains
     light%balls = drive%balls
     light%flanks = drive%flanks
     light%stays = drive%stays
+    light%brake = drive%brake
     light%interference = other%drive%interference
     light%problem%law = other%drive%problem%law
     if (allocated(drive%problem%struts)) then

@@ -3,7 +3,7 @@
 module test_hertz
   use hd_kinds, only: dp, pi
   use hd_check, only: check
-  use hd_hertz, only: point_contact_t, ball_on_race, contact_rate, elliptic_integrals, in_series, semi_axes
+  use hd_hertz, only: point_contact_t, ball_on_race, contact_rate, elliptic_integrals, in_series
   implicit none
   private
   public :: run_hertz
@@ -13,7 +13,7 @@ contains
   !> Elliptic integrals against Abramowitz and Stegun, table 17.1; a ball on a plane against Hertz's closed form; the steel constant
   !> 2.15e5 N/mm^1.5 of Harris (6.56); a groove that holds the ball closely is stiffer than an open one.
   subroutine run_hertz()
-    real(dp) :: first, second, r, e, k, axes(2)
+    real(dp) :: first, second, r, e, k
     type(point_contact_t) :: plane, groove
     call elliptic_integrals(0.5_dp, first, second)
     call check(abs(first - 1.854074677301372_dp) < 1e-14_dp, 'K(0.5)')
@@ -24,11 +24,7 @@ contains
     e = 113e9_dp
     plane = ball_on_race(2*r, 1e9_dp, 1e9_dp, e)
     call check(abs(contact_rate(plane)/(4*e*sqrt(r)/3) - 1) < 1e-6_dp, 'ball on a plane')
-    axes = semi_axes(plane, 100._dp)
-    call check(abs(axes(1)/(3*100*r/(4*e))**(1/3._dp) - 1) < 1e-6_dp .and. abs(axes(2)/axes(1) - 1) < 1e-3_dp, 'its circle')
     groove = ball_on_race(2*r, 13.3e-3_dp, 0.52_dp, 206.8e9_dp/(2*(1 - 0.09_dp)))
-    call check(axes(1) > 0 .and. abs(axes(1)/axes(2) - plane%ratio) < 1e-9_dp, 'semi-axes have their ratio')
-    call check(abs(sqrt(axes(1)*axes(2))/(3*100*r/(4*e))**(1/3._dp) - 1) < 1e-6_dp, 'circle of a ball on a plane')
     k = 2.15e5_dp*sqrt(1e9_dp)/sqrt(groove%curvature/1e3_dp)/groove%approach**1.5_dp
     call check(abs(contact_rate(groove)/k - 1) < 5e-3_dp, 'constant of Harris for steel')
     call check(contact_rate(groove) > contact_rate(ball_on_race(2*r, 13.3e-3_dp, 0.60_dp, groove%modulus)), &

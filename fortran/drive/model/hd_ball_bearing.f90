@@ -7,16 +7,13 @@ module hd_ball_bearing
   use hd_face, only: face_t
   use hd_groove, only: groove_t
   use hd_hold, only: hold_t
-  use hd_hertz, only: point_contact_t, ball_on_race, contact_rate, in_series, semi_axes
+  use hd_hertz, only: point_contact_t, ball_on_race, contact_rate, in_series
   use hd_race, only: race_radius
   use hd_scene, only: scene_t
   use hd_strut, only: strut_t
   implicit none
   private
   public :: ball_angles, ball_patches, ball_struts, axial_struts, ball_grooves, ring_holds
-
-  !> Force over the contact's modulus that its ellipse is taken at [m^2]: 100 N of steel.
-  real(dp), parameter :: usual_load = 8.53e-10_dp
 
 contains
 
@@ -54,27 +51,27 @@ contains
     theta = modulo(scene%cage_angle_deg*pi/180 + [(2*pi*(i - 1)/scene%balls, i=1, scene%balls)], 2*pi)
   end function ball_angles
 
-  !> Patches of the balls: as large as the ellipse of contact, as one facet, or as the keys say, in the middle of the ring.
+  !> Patches of the balls, in the middle of the ring: as large as the ring is thick, or as one facet where that is larger, or as the
+  !> keys say. What a smaller patch would press in, Hertz's law has in it already.
   pure function ball_patches(scene, face, sectors, first) result(patch)
     type(scene_t), intent(in) :: scene    !< scene
     type(face_t), intent(in) :: face      !< inner face of the ring, axial facets first, then round the axis
     integer, intent(in) :: sectors        !< of the ring
     integer, intent(in) :: first          !< nodes before the ring's
     type(ball_patch_t) :: patch
-    type(point_contact_t) :: contact(2)
-    real(dp) :: axes(2), outer, z(2)
+    real(dp) :: outer, z(2)
     outer = race_radius(scene)
     z = [minval(face%chart(2, :, :)), maxval(face%chart(2, :, :))]
-    contact = race_contacts(scene)
-    axes = 2*semi_axes(contact(2), usual_load*modulus(scene))
     patch%face = face
     patch%sectors = sectors
     patch%first = first
     patch%radius = scene%bore_radius - scene%ring_thickness
     patch%z = sum(z)/2
-    patch%angle = merge(scene%patch_length, max(axes(2), 2*pi*outer/sectors), scene%patch_length > 0)/outer
-    patch%width = min(z(2) - z(1), merge(scene%patch_width, max(axes(1), (z(2) - z(1))/(size(face%nodes, 2)/sectors)), &
-      scene%patch_width > 0))
+    patch%angle = max(scene%ring_thickness, 2*pi*outer/sectors)/outer
+    if (scene%patch_length > 0) patch%angle = scene%patch_length/outer
+    patch%width = max(scene%ring_thickness, (z(2) - z(1))/(size(face%nodes, 2)/sectors))
+    if (scene%patch_width > 0) patch%width = scene%patch_width
+    patch%width = min(z(2) - z(1), patch%width)
     patch%theta = ball_angles(scene)
     patch%lever = scene%outer_conformity*scene%ball_diameter
   end function ball_patches

@@ -1,17 +1,16 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Hertz's contact of a ball with a grooved race, by complete elliptic integrals (Harris, Rolling Bearing Analysis, 6.21-6.42):
-!>   approach = d* S/2 (3 F / (2 S E'))^(2/3),   semi-axes = a*, b* (3 F / (2 S E'))^(1/3)
-!> S sum of the principal curvatures, E' reduced modulus, kappa = a/b from the difference of the curvatures.
+!>   approach = d* S/2 (3 F / (2 S E'))^(2/3),   d* = 2 K / (pi a*),   a* = (2 kappa^2 E / pi)^(1/3)
+!> S sum of the principal curvatures, E' reduced modulus, kappa ratio of the semi-axes from the difference of the curvatures.
 module hd_hertz
   use hd_kinds, only: dp, pi, hair
   implicit none
   private
-  public :: point_contact_t, ball_on_race, contact_rate, semi_axes, in_series, elliptic_integrals
+  public :: point_contact_t, ball_on_race, contact_rate, in_series, elliptic_integrals
 
   type :: point_contact_t
     real(dp) :: curvature = 0                  !< S [1/m]
-    real(dp) :: ratio = 1                      !< kappa, long over short semi-axis
-    real(dp) :: a = 1, b = 1, approach = 1     !< a*, b*, d*
+    real(dp) :: approach = 1                   !< d*
     real(dp) :: modulus = 0                    !< E' [Pa]
   end type point_contact_t
 
@@ -46,7 +45,7 @@ contains
     real(dp), intent(in) :: race        !< radius of the race along the way of the ball, negative for the outer one [m]
     real(dp), intent(in) :: conformity  !< radius of the groove over the diameter of the ball, above 0.5; huge: no groove
     real(dp), intent(in) :: modulus     !< E' [Pa]
-    real(dp) :: along, across, difference, low, high, first, second
+    real(dp) :: along, across, difference, low, high, ratio, first, second
     integer :: i
     along = 2/diameter + 1/race
     across = 2/diameter - 1/(conformity*diameter)
@@ -56,17 +55,15 @@ contains
     low = 0
     high = log(1e8_dp)
     do i = 1, 200  ! kappa by bisection of its logarithm
-      contact%ratio = exp((low + high)/2)
-      if (curvature_difference(contact%ratio) < difference) then
-        low = log(contact%ratio)
+      ratio = exp((low + high)/2)
+      if (curvature_difference(ratio) < difference) then
+        low = log(ratio)
       else
-        high = log(contact%ratio)
+        high = log(ratio)
       end if
     end do
-    call elliptic_integrals(1 - 1/contact%ratio**2, first, second)
-    contact%a = (2*contact%ratio**2*second/pi)**(1/3._dp)
-    contact%b = contact%a/contact%ratio
-    contact%approach = 2*first/pi/contact%a
+    call elliptic_integrals(1 - 1/ratio**2, first, second)
+    contact%approach = 2*first/pi/(2*ratio**2*second/pi)**(1/3._dp)
   end function ball_on_race
 
   !> Difference of the curvatures over their sum that belongs to a ratio of the semi-axes.
@@ -83,14 +80,6 @@ contains
     type(point_contact_t), intent(in) :: contact  !< contact
     k = 2*contact%curvature*contact%modulus/3*(2/(contact%approach*contact%curvature))**1.5_dp
   end function contact_rate
-
-  !> Semi-axes under a force, long and short [m].
-  pure function semi_axes(contact, force) result(axes)
-    type(point_contact_t), intent(in) :: contact  !< contact
-    real(dp), intent(in) :: force                 !< [N]
-    real(dp) :: axes(2)
-    axes = [contact%a, contact%b]*(3*force/(2*contact%curvature*contact%modulus))**(1/3._dp)
-  end function semi_axes
 
   !> Rate of two contacts that carry the same force.
   elemental real(dp) function in_series(k_1, k_2) result(k)

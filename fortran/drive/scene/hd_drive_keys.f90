@@ -45,8 +45,8 @@ contains
       'what keeps the ring in place along the axis. grooves: the balls, each by its force and the sections of its grooves; '// &
       'fast: the middle of its inner face does not move along the axis')
     call add_real(t, 'bearing', 'patch_length', 'model', s%patch_length, 'm', 0._dp, big, &
-      "length of the part of the ring that carries a ball, along the ball's way; 0: that of the contact ellipse at 100 N, or "// &
-      'a facet if that is longer', closed=.true.)
+      "length of the part of the ring that carries a ball, along the ball's way; 0: the ring's thickness, or a facet if "// &
+      'that is longer', closed=.true.)
     call add_real(t, 'bearing', 'patch_width', 'model', s%patch_width, 'm', 0._dp, big, &
       'width of this part, along the axis; 0: likewise', closed=.true.)
     call add_reals(t, 'loop', 'torques', 'load', s%torques, 'N m', -big, big, &

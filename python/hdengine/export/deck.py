@@ -165,16 +165,17 @@ def _sets(run, mesh):
 
 
 def _patch(mesh, inside, scene, theta):
-    """Weights of the ring's inner corner nodes under a ball: the mean over its patch, at least a facet either way."""
+    """Weights of the ring's inner corner nodes under a ball: the mean over its patch, as large as the ring is thick, or as a facet."""
     points = mesh.points[inside]
     heights, of_height = np.unique(np.round(points[:, 2], 9), return_inverse=True)
     sectors = len(inside) // len(heights)
     sector = np.round(np.arctan2(points[:, 1], points[:, 0]) / (2 * np.pi) * sectors).astype(int) % sectors
     node = np.empty((sectors, len(heights)), int)
     node[sector, of_height] = inside
-    radius = scene["geometry.bore_radius"] - scene["geometry.ring_thickness"]
-    angle = (scene["bearing.patch_length"] / radius) or 2 * np.pi / sectors
-    width = scene["bearing.patch_width"] or np.ptp(heights) / (len(heights) - 1)
+    thick = scene["geometry.ring_thickness"]
+    race = scene["geometry.bore_radius"] - thick + scene["bearing.groove_depth"]
+    angle = (scene["bearing.patch_length"] or max(thick, 2 * np.pi * race / sectors)) / race
+    width = min(np.ptp(heights), scene["bearing.patch_width"] or max(thick, np.ptp(heights) / (len(heights) - 1)))
     weight: dict = {}
     even = (np.arange(12) + 0.5) / 12 - 0.5
     for place in ((theta + angle * even) / (2 * np.pi) % 1) * sectors:

@@ -67,7 +67,7 @@ def test_limits_are_those_of_the_line_through_three_meshes(whole):
 
 
 def test_a_drive_is_judged_by_three_meshes(exe, tmp_path):
-    """A first rise at tolerance 0.05 ends on 8 rows: limits are those of the line through 4, 6 and 8, by numpy, known no better than to 2 % beside half the way, and the run is the trial."""
+    """A first rise at tolerance 0.05 ends on 8 rows: limits are those of the line through 4, 6 and 8, by numpy, known no better than to 1.5 % beside two fifths of the way, and the run is the trial."""
     solved(exe, tmp_path / "p", ROOT / "data/drive25.nml", "run.tolerance=0.05", "solver.kinematics=linear", "loop.torques=61", "run.band=.false.", "output.vtu=none")
     s, reasons = planned(tmp_path / "p")
     assert s["plan"]["met"] == "yes" and s["plan"]["level"] == 3 and s["scene"]["mesh.band_facets"] == 8, reasons
@@ -78,7 +78,7 @@ def test_a_drive_is_judged_by_three_meshes(exe, tmp_path):
         q = [float(meshes[n][name]) for n in (4, 6, 8)]
         limit, error, _ = hdengine.load(tmp_path / "p").limits[name]
         assert limit == pytest.approx(np.polyfit(rows**-1.5, q, 1)[1], rel=1e-9)
-        assert error > np.hypot(0.02, (q[2] / limit - 1) / 2)
+        assert error > np.hypot(0.015, 0.4 * (q[2] / limit - 1))
         assert s["results"][name] == pytest.approx(q[2], rel=1e-12)
 
 

@@ -165,7 +165,7 @@ def _sets(run, mesh):
 
 
 def _patch(mesh, inside, scene, theta):
-    """Weights of the ring's inner corner nodes under a ball: the mean over its patch, as large as the ring is thick, or as a facet."""
+    """Weights of the ring's inner corner nodes under a ball: the mean over its patch (see `hd_ball_bearing`)."""
     points = mesh.points[inside]
     heights, of_height = np.unique(np.round(points[:, 2], 9), return_inverse=True)
     sectors = len(inside) // len(heights)

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Holds of a ring in Newton's matrix, not in the forces. A ring whose balls hardly push rocks in them almost freely, and one whose
-!> contact slips as a whole turns so: a correction that moves it far leads nowhere, and is made again with struts that hold it, until
-!> corrections are short.
+!> contact slips as a whole turns so: a correction that moves it far leads nowhere, and is made again with struts that hold it,
+!> until corrections are short.
 module hd_hold
   use hd_kinds, only: dp
   use hd_groove, only: groove_t, stiffen_way

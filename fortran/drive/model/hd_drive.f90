@@ -267,8 +267,8 @@ contains
   end subroutine set_struts
 
   !> Without friction nothing resists the turn of a ring on balls, and large displacements let it drift. It is a body of revolution
-  !> and may stand anywhere: a stay holds the mean of what its inner face has come round the axis, and nothing else. With friction it
-  !> is a brake.
+  !> and may stand anywhere: a stay holds the mean of what its inner face has come round the axis, and nothing else. With
+  !> friction it is a brake.
   type(strut_t) function turn_stay(drive, pulls) result(stay)
     type(drive_t), intent(in) :: drive   !< drive
     logical, intent(in) :: pulls         !< else a brake

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> A series of meshes, each about 2^(1/2) finer than the one before in all directions, and the limits of fine facets it points to.
-!> Edge cells, which loops go without, keep their share of a row. Singular pressures at the band's edges then leave what goes about as h^(3/2), h the
-!> length of the facets: the line through the last three levels over h^(3/2) is taken to h = 0.
+!> Edge cells, which loops go without, keep their share of a row. Singular pressures at the band's edges then leave what goes about
+!> as h^(3/2), h the length of the facets: the line through the last three levels over h^(3/2) is taken to h = 0.
 module hd_mesh_series
   use hd_kinds, only: dp, pi
   use hd_fft, only: smooth_size

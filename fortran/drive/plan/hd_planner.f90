@@ -35,7 +35,7 @@ module hd_planner
   real(dp), parameter :: few_more = 1.1_dp      !< growth of a run's time from the trial's with the facets,
   real(dp), parameter :: taken = 0.2_dp         !< run over trial, whose attempts it takes over,
   real(dp), parameter :: started = 0.4_dp       !< and from a coarser mesh under large displacements; all three by judgement
-  integer, parameter :: few_steps = 4           !< of each leg of a loop on which models are compared
+  integer, parameter :: few_steps = 3           !< of each leg of a loop, to begin with: it stops where it is read besides
   integer, parameter :: doublings = 4           !< of load steps, at most
 
   type :: plan_t
@@ -145,19 +145,12 @@ contains
       integer, intent(in) :: level                         !< of the series of meshes
       real(dp), intent(out) :: small_q(values), large_q(values)  !< what they give
       type(scene_t) :: s
-      s = of_few_steps(meshed(plan%scene, level))
+      s = meshed(plan%scene, level)
       call trials%try(s, small_q, error)
       s%kinematics = 'nonlinear'
       if (.not. allocated(error)) call trials%try(s, large_q, error)
     end subroutine try_both
   end subroutine choose_kinematics
-
-  !> A loop with few load steps.
-  pure type(scene_t) function of_few_steps(scene) result(s)
-    type(scene_t), intent(in) :: scene  !< scene
-    s = scene
-    if (s%support%loop) s%torque_steps = min(few_steps, s%torque_steps)
-  end function of_few_steps
 
   !> What a better model changes on a coarse mesh corrects the limits: numbers by a factor, fields by what they move.
   pure subroutine correct(plan, simple, better)
@@ -185,7 +178,7 @@ contains
       call note(plan, 'wave generator as the scene says')
       return
     end if
-    s = of_few_steps(meshed(plan%scene, coarse(plan%scene)))
+    s = meshed(plan%scene, coarse(plan%scene))
     call trials%try(s, balls_q, error)
     if (allocated(error)) return
     stiffness = trials%balls_of(s)
@@ -286,7 +279,9 @@ contains
     call note(plan, 'element hex8i: hex8 locks, hex20r takes more than ten times the time for the same error')
     if (len_trim(plan%scene%joint_reason) > 0) call note(plan, 'joint '//trim(plan%scene%joint_model)//': '// &
       trim(plan%scene%joint_reason))
-    if (.not. plan%scene%support%loop) then  ! chords of a loop need places to begin with
+    if (plan%scene%support%loop) then
+      plan%scene%torque_steps = min(few_steps, plan%scene%torque_steps)
+    else
       plan%scene%assembly_steps = 1
       plan%scene%torque_steps = min(1, plan%scene%torque_steps)
     end if

@@ -107,9 +107,9 @@ contains
       0._dp, scene%torque]
   end function ends_of
 
-  !> Torques at the ends of the load steps, after 0: every ramp in as many equal ones. A loop also stops where it is read for
-  !> hysteresis and lost motion: at no torque, and at a share of the rated one either way; on its first ramp where no later ones
-  !> pass that both ways [N m].
+  !> Torques at the ends of the load steps, after 0: every ramp in as many equal ones. A loop also stops where it is read: where it
+  !> goes on in its first sense at T1 and T2, in place of the steps next to them; for hysteresis and lost motion at no torque, and at
+  !> a share of the rated one either way, on its first ramp where no later ones pass that both ways [N m].
   pure function torques_of(scene) result(torque)
     type(scene_t), intent(in) :: scene  !< scene
     real(dp), allocatable :: torque(:), ends(:), ramp(:)
@@ -125,6 +125,12 @@ contains
         ramp = [(from + (to - from)*(real(k, dp)/n), k=0, n - 1), to]
         near = close_by*abs(to - from)
         sense = sign(1._dp, to - from)
+        if (scene%support%loop .and. sense*first_sense(ends(2:)) > 0) then
+          do j = 1, 2
+            stop_at = sense*merge(scene%torque_1, scene%torque_2, j == 1)
+            call stop_there(stop_at, near, sense*merge(scene%torque_2, scene%torque_1, j == 1), ramp)
+          end do
+        end if
         do j = -1, merge(1, -2, i >= first .and. near > 0)
           stop_at = j*lost_at*scene%rated_torque
           k = count(sense*(ramp - stop_at) < 0)  ! ends of steps before it
@@ -134,6 +140,20 @@ contains
       end associate
     end do
   end function torques_of
+
+  !> Move the end of the load step that is nearest to a torque inside of a ramp there, or put one there.
+  pure subroutine stop_there(torque, near, other, ramp)
+    real(dp), intent(in) :: torque, near               !< and what is as good [N m]
+    real(dp), intent(in) :: other                      !< torque from which no end is moved [N m]
+    real(dp), allocatable, intent(inout) :: ramp(:)    !< ends of steps, with the ramp's own [N m]
+    integer :: k, n
+    n = size(ramp)
+    k = count(sign(1._dp, ramp(n) - ramp(1))*(ramp - torque) < 0)  ! ends before it
+    if (k == 0 .or. k == n .or. minval(abs(ramp - torque)) <= near) return
+    ramp = [ramp(:k), torque, ramp(k + 1:)]
+    k = k + merge(-1, 1, abs(ramp(k) - torque) < abs(ramp(k + 2) - torque)) + 1
+    if (k > 1 .and. k <= n .and. abs(ramp(k) - other) > near) ramp = [ramp(:k - 1), ramp(k + 1:)]
+  end subroutine stop_there
 
   !> Ramps pass an amount of torque, of either sign, rising and falling.
   pure logical function pass_both_ways(ends, amount) result(pass)

@@ -189,7 +189,7 @@ contains
     side = way
     if (any(other%key%s == [character(len=17) :: 'loop.torque_1', 'loop.torque_2', 'loop.rated_torque'])) side = -way
     other%idle = (any(p%group == [character(len=7) :: 'loop', 'fatigue', 'turning']) .and. .not. any(p%key == [ &
-      character(len=12) :: 'torques', 'rated_torque'])) .or. &
+      character(len=12) :: 'torques', 'torque_1', 'torque_2', 'rated_torque'])) .or. &
       (scene%hard() .and. (p%group == 'joint' .or. index(p%key, 'yield') > 0))
     if (associated(p%real)) then
       if (any(p%unit == of_force)) other%force = p%real
@@ -225,7 +225,8 @@ contains
     other%bodies = other%bodies .or. other%moves
     other%whole = other%bodies .or. &
       abs(other%scene%torque - scene%torque) > 0 .or. any(abs(other%scene%torques - scene%torques) > 0) .or. &
-      (scene%support%loop .and. abs(other%scene%rated_torque - scene%rated_torque) > 0)
+      (scene%support%loop .and. any(abs([other%scene%rated_torque - scene%rated_torque, other%scene%torque_1 - scene%torque_1, &
+      other%scene%torque_2 - scene%torque_2]) > 0))
     other%law = abs(other%drive%interference - drive%interference) > 0 .or. abs(other%scene%friction - scene%friction) > 0 .or. &
       abs(other%scene%torque_friction - scene%torque_friction) > 0 .or. (law .and. .not. scene%hard()) .or. &
       abs(other%drive%problem%law%scale - drive%problem%law%scale) > 0

@@ -285,17 +285,15 @@ def test_a_stopped_loop_goes_on(exe, tmp_path, rows):
     assert ours["results"] == other["results"] and ours["model"]["resumed"] and not other["model"]["resumed"]
 
 
-def test_chords_without_a_step_and_a_weak_cup_warn(exe, tmp_path):
-    """Two steps to 14 N m leave none up to T1: K1 and K2 are one chord, and a warning says so, as it does where a cup fails by Goodman."""
-    for steps, limit in ((2, 5e9), (14, 1e8)):
-        solved(exe, tmp_path / str(steps), ROOT / "tests/cases/pressed_drive.nml", *MESH, "loop.torques=14", f"load.torque_steps={steps}",
-               f"fatigue.fatigue_limit={limit}")
-    few, many = (json.loads((tmp_path / name / "summary.json").read_text()) for name in ("2", "14"))
-    assert few["results"]["k1_nm_per_rad"] == pytest.approx(few["results"]["k2_nm_per_rad"])
-    assert [any("the first rise has no load step" in w for w in s["warnings"]) for s in (few, many)] == [True, False]
-    assert [any("safety by Goodman" in w and "cup.sections_fillet" in w for w in s["warnings"]) for s in (few, many)] == [
-        s["results"]["goodman_safety_min"] < 1 for s in (few, many)] and many["results"]["goodman_safety_min"] < 1
-    assert not {"hysteresis_rad", "lost_motion_rad"} & set(few["results"])
+def test_chords_of_few_steps_are_those_of_many(exe, tmp_path):
+    """A loop stops at T1 and T2, so K1 to K3 of two steps to 14 N m are those of 14 within 0.5 %. A cup that fails by Goodman is warned of."""
+    few, many = (solved(exe, tmp_path / str(steps), ROOT / "tests/cases/pressed_drive.nml", *MESH, "loop.torques=14", f"load.torque_steps={steps}",
+                        f"fatigue.fatigue_limit={limit}") for steps, limit in ((2, 5e9), (14, 1e8)))
+    for i in (1, 2, 3):
+        assert few.summary["results"][f"k{i}_nm_per_rad"] == pytest.approx(many.summary["results"][f"k{i}_nm_per_rad"], rel=5e-3)
+    assert [any("safety by Goodman" in w and "cup.sections_fillet" in w for w in run.summary["warnings"]) for run in (few, many)] == [False, True]
+    assert few.summary["results"]["goodman_safety_min"] > 1 > many.summary["results"]["goodman_safety_min"]
+    assert not {"hysteresis_rad", "lost_motion_rad"} & set(few.summary["results"])
 
 
 def test_readings_of_any_list_of_torques(exe, tmp_path):

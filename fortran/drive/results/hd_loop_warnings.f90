@@ -49,9 +49,6 @@ contains
     if (loop%lift > scene%w .and. scene%w > 0) call push(lines, 'loaded pairs of teeth move '//to_text(loop%lift)// &
       ' m out of mesh, more than w = '//to_text(scene%w)//' m: a real drive would ratchet; teeth have no tips '// &
       'here. Lower the torque')
-    if (any(between_steps(loop, scene))) call push(lines, 'the first rise has no load step up to '// &
-      to_text(scene%torque_1)//' N m or none from there to '//to_text(scene%torque_2)//' N m: K1 and K2 are chords of longer '// &
-      'steps. Raise load.torque_steps')
     found = read_loop(loop, scene)
     associate (ends => [scene%torque_1, scene%torque_2])
       i = count(ends <= found%top) + 1  ! the chord in which it ends
@@ -66,16 +63,4 @@ contains
         'finer meshes; cup.sections_fillet rounds it')
     end if
   end subroutine drive_warnings
-
-  !> The chords of K1 and of K2 that the first rise reaches and that hold no load step.
-  pure function between_steps(loop, scene) result(empty)
-    type(loop_t), intent(in) :: loop    !< booked steps
-    type(scene_t), intent(in) :: scene  !< T1, T2
-    logical :: empty(2)
-    real(dp) :: ends(3)
-    integer :: i
-    ends = [0._dp, scene%torque_1, scene%torque_2]
-    empty = [(maxval(abs(loop%torque)) >= ends(i + 1) .and. .not. any(abs(loop%torque) > ends(i) .and. &
-      abs(loop%torque) <= ends(i + 1)), i=1, 2)]
-  end function between_steps
 end module hd_loop_warnings

@@ -26,7 +26,7 @@ module hd_warning_list
     warning_t(' comes or goes with ', 'a ball takes or leaves its load in one step. Raise load.torque_steps'), &
     warning_t(' m out of mesh, more than w', 'a real drive would ratchet. Lower the torque'), &
     warning_t(' N m on the cam; without losses', 'the cam takes torque that balls cannot. Check eccentricity, w and teeth'), &
-    warning_t('the first rise has no load step', 'K1 and K2 are chords of long steps. Raise load.torque_steps'), &
+    warning_t('this scene does not use ', 'a key of a part that is not there. Take it out, or see --explain KEY'), &
     warning_t('least safety by Goodman', 'the cup breaks in time. Lower w or the torque, or round steps of the wall'), &
     warning_t('the flexspline yields: ', 'stress beyond material.yield_strength. Lower torque, w or the wall'), &
     warning_t('the ring yields: ', 'stress beyond material.ring_yield_strength. Lower torque, w or the ring'), &
@@ -52,8 +52,7 @@ module hd_warning_list
     warning_t('the cup stays round', 'w is 0. Check wave_generator.w'), &
     warning_t(' is odd: with two lobes', 'the ends of the long axis differ. Check load.teeth'), &
     warning_t('no gradient: ', 'the run was resumed, or a change of state spoilt it. Compare two runs'), &
-    warning_t('the rise ends at ', 'K1 or K2 is a shorter chord than a catalogue''s. Raise the torque'), &
-    warning_t('this scene does not use ', 'a key of a part that is not there. Take it out, or see --explain KEY')]
+    warning_t('the rise ends at ', 'K1 or K2 is a shorter chord than a catalogue''s. Raise the torque')]
 
 contains
 

@@ -43,8 +43,8 @@ contains
     call add_integer(t, 'hd_input', 'version', 'output', s%version, 1, 1, 'format of this file')
     call add_choice(t, 'run', 'title', 'output', s%title, '', 'one line that names the run in its results')
     call add_real(t, 'run', 'tolerance', 'control', s%planned_tolerance, '', 0._dp, 0.5_dp, &
-      'relative error that tangent K_TS, rotation, normal force and mid-band pressure may have, or K1 to K3 and hysteresis of '// &
-      'a whole drive; element, kinematics, load steps and mesh are chosen for it; 0: all as given', closed=.true.)
+      'relative error that tangent K_TS, rotation, normal force and mid-band pressure may have, or K1 to K3 of a whole '// &
+      'drive; element, kinematics, load steps and mesh are chosen for it; 0: all as given', closed=.true.)
     call add_choice(t, 'run', 'wanted', 'control', s%wanted, '', &
       "results that run.tolerance is for, parted by blanks, such as 'k2 k3'; empty: those that it names, and the pressure field")
     call add_choice(t, 'run', 'band', 'output', s%with_band, 'auto .false. .true.', &
@@ -210,7 +210,8 @@ contains
       'soft springs that hold the hub of a bearing support in its plane, and a free ring tangentially')
     call add_integer(t, 'load', 'assembly_steps', 'assembly', s%assembly_steps, 1, 100000, 'load steps of the assembly')
     call add_integer(t, 'load', 'torque_steps', 'load', s%torque_steps, 0, 100000, &
-      'load steps of the torque, of each ramp of a loop, which also stops where it is read: at no torque and 4 % of the rated one')
+      'load steps of the torque, of each ramp of a loop, which also stops where it is read: at T1, T2, no torque and 4 % of '// &
+      'the rated one')
     call add_choice(t, 'load', 'tangent_steps', 'load', s%tangent_steps, 'needed all last none', &
       'load steps that get a tangent K_TS. needed: those that a result needs, in a loop the one that its results are of, else '// &
       'all from the end of the assembly on; all: these all; last: the last one alone, without a secant, in a loop as needed')

@@ -108,7 +108,7 @@ contains
   end function ends_of
 
   !> Torques at the ends of the load steps, after 0: every ramp in as many equal ones. A loop also stops where it is read: where it
-  !> goes on in its first sense at T1 and T2, in place of the steps next to them; for hysteresis and lost motion at no torque, and at
+  !> goes on in its first sense at T1 and T2, in place of the steps next to them; for hysteresis and lost motion at no torque and at
   !> a share of the rated one either way, on its first ramp where no later ones pass that both ways [N m].
   pure function torques_of(scene) result(torque)
     type(scene_t), intent(in) :: scene  !< scene

@@ -107,9 +107,9 @@ contains
       0._dp, scene%torque]
   end function ends_of
 
-  !> Torques at the ends of the load steps, after 0: every ramp in as many equal ones. A loop also stops where it is read: where it
-  !> goes on in its first sense at T1 and T2, in place of the steps next to them; for hysteresis and lost motion at no torque and at
-  !> a share of the rated one either way, on its first ramp where no later ones pass that both ways [N m].
+  !> Torques at the ends of the load steps, after 0: every ramp in as many equal ones. A loop also stops where it is read: at T1
+  !> and T2 either way, in place of the steps next to them; for hysteresis and lost motion at no torque and at a share of the rated
+  !> one either way, on its first ramp where no later ones pass that both ways [N m].
   pure function torques_of(scene) result(torque)
     type(scene_t), intent(in) :: scene  !< scene
     real(dp), allocatable :: torque(:), ends(:), ramp(:)
@@ -125,10 +125,10 @@ contains
         ramp = [(from + (to - from)*(real(k, dp)/n), k=0, n - 1), to]
         near = close_by*abs(to - from)
         sense = sign(1._dp, to - from)
-        if (scene%support%loop .and. sense*first_sense(ends(2:)) > 0) then
-          do j = 1, 2
-            stop_at = sense*merge(scene%torque_1, scene%torque_2, j == 1)
-            call stop_there(stop_at, near, sense*merge(scene%torque_2, scene%torque_1, j == 1), ramp)
+        if (scene%support%loop) then
+          do j = -1, 1, 2
+            call stop_there(j*scene%torque_1, near, j*scene%torque_2, ramp)
+            call stop_there(j*scene%torque_2, near, j*scene%torque_1, ramp)
           end do
         end if
         do j = -1, merge(1, -2, i >= first .and. near > 0)

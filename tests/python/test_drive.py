@@ -734,7 +734,7 @@ def test_a_small_torque_leads_across_the_play(exe, tmp_path):
 
 def test_a_ball_that_jumps_is_said(exe, tmp_path):
     """A ball that one step of torque loads from nothing to more than a fifth of the largest force is named; finer steps follow it."""
-    (_, _, balls, _), text = warnings_of(exe, tmp_path / "j", "loop.torques=80,-80", "load.torque_steps=1")
+    (_, _, balls, _), text = warnings_of(exe, tmp_path / "j", "loop.torques=80,-80", "load.torque_steps=1", "loop.torque_1=80", "loop.torque_2=90")
     number, force, *ends = re.search(r"ball (\d+) comes or goes with (\S+) N between (\S+) and (\S+) N m", text).groups()
     of_one = balls["force_n"][(balls["ball"] == int(number)) & np.isin(balls["torque_nm"], [float(t) for t in ends])][-2:]
     assert of_one.min() == 0 and of_one.max() == pytest.approx(float(force), rel=1e-5)

@@ -266,7 +266,7 @@ contains
     of_use = max(whole, min(tenth, max(merit, tenth*options%tolerance/merit, merge(tenth, 0._dp, options%rough))))
   end function of_use
 
-  !> Newton's correction; where it moves a ring too far that nothing holds, with its holds.
+  !> Newton's correction, made again with the holds of the ring (hd_hold) where it moves the ring too far.
   subroutine find_correction(problem, solver, here, du, dt, accuracy, error)
     type(problem_t), intent(inout) :: problem            !< problem with its tangents
     class(linear_solver_t), intent(inout) :: solver      !< its linear solver

@@ -27,8 +27,8 @@ module hd_mesh_series
   real(dp), parameter :: share_of_four = 0.35_dp  !< of the error that two layers leave, left by four
   real(dp), parameter :: share = 0.45_dp        !< of it, left by a correction from a coarse mesh (31 random scenes: 0.1 to 0.45)
   real(dp), parameter :: least_tolerance = 6.6e-3_dp  !< what a correction leaves, rounded up
-  !> Estimated error of limits, times rows^power: the median of these scenes, and of 11 drives.
-  real(dp), parameter :: typical = 1.4_dp, typical_drive = 0.6_dp
+  !> Estimated error of limits, times rows^power, of drives beside `chance`: the median of these scenes, and of 44 plans of drives.
+  real(dp), parameter :: typical = 1.4_dp, typical_drive = 0.4_dp
 
 contains
 
@@ -102,7 +102,7 @@ contains
   end function small_displacements
 
   !> Limits from the levels that are known, and their estimated errors: what the last level changed of the limit, or the way that
-  !> is left to it, of loops half of it, if that is more, and the standard error of the line's end, which levels out of line raise.
+  !> is left to it, of loops `part` of it, if that is more, and the standard error of the line's end, which levels out of line raise.
   !> The first limit is that of a line through two levels, which says little.
   pure subroutine extrapolate(loop, q, limit, estimate)
     logical, intent(in) :: loop                !< readings of a loop

@@ -102,7 +102,7 @@ contains
   end function small_displacements
 
   !> Limits from the levels that are known, and their estimated errors: what the last level changed of the limit, or the way that
-  !> is left to it, of loops `part` of it, if that is more, and the standard error of the line's end, which levels out of line raise.
+  !> is left to it, of loops `part` of it, if that is more, and the standard error of the line's end, which outliers raise.
   !> The first limit is that of a line through two levels, which says little.
   pure subroutine extrapolate(loop, q, limit, estimate)
     logical, intent(in) :: loop                !< readings of a loop

@@ -358,19 +358,19 @@ RISE = ["loop.torques=14", "load.torque_steps=4", "joint.model=hu2023", "output.
 NARROW = [*RISE, "geometry.bore_radius=0.015", "bearing.balls=12", "load.tooth_pairs=8"]  # few facets round the axis
 
 
-def changed_by_large_displacements(said, end):
+def changed_by_large_displacements(said):
     """By how much large displacements change K1 to K3, as a plan says [%]."""
-    return float(re.search(f"kinematics linear: large displacements change K[123] by ([0-9.]+) %{end}", said)[1])
+    return float(re.search("kinematics linear: large displacements change K[123] by ([0-9.]+) %, a correction known to [01]", said)[1])
 
 
 def test_a_planned_drive_promises_k1_to_k3(exe, tmp_path):
     """Limits of K1 to K3 stand in the summary with their errors, a rise alone promises no hysteresis, and Python reads them. Large
-    displacements change them by less than half the tolerance: no correction."""
+    displacements correct them."""
     found = solved(exe, tmp_path / "p", ROOT / "tests/cases/pressed_drive.nml", *NARROW, "run.tolerance=0.2", "bearing.model=given")
     plan, names = found.summary["plan"], ["k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad"]
     assert plan["met"] == "yes" and list(found.limits) == names == found.summary["model_error"]["tolerance_covers"]
     assert found.balls is not None and any("wave generator as the scene says" in line for line in plan["reasons"])
-    assert 2 < changed_by_large_displacements("\n".join(plan["reasons"]), "; half") < 6
+    assert 2 < changed_by_large_displacements("\n".join(plan["reasons"])) < 6
     for name in names:
         limit, error, over = found.limits[name]
         assert 0.004 < error < 0.2 and limit * over == pytest.approx(found.summary["results"][name], rel=1e-9)
@@ -460,11 +460,26 @@ def test_no_torque_turns_no_bottom(exe, tmp_path):
     assert abs(read_csv(tmp_path / "z/steps.csv")["rotation_rad"]).max() < 1e-6
 
 
+@pytest.mark.parametrize("keys", [["load.tooth_phase=0"], ["load.tooth_gaps=" + ",".join(["4e-4"] * 64), "--allow-implausible"]])
+def test_the_bottom_stays_in_the_play_where_the_torque_left_it(exe, tmp_path, keys):
+    """Without a torque it lies at the flank that it came from: it lay anywhere in the play, so that K1 missed 2 % and the hysteresis 67 %. Over a play of
+    0.4 mm no step led."""
+    done = call(exe, ROOT / "data/drive20_160.nml", "mesh.divisions=24", "mesh.band_facets=4", "load.torque_steps=3", "contact.friction=0.3", *keys,
+                "output.vtu=none", "run.band=.false.", "--out", tmp_path / "r", "-q")
+    assert done.returncode == 0, done.stderr
+    loop, teeth = read_csv(tmp_path / "r/loop.csv"), read_csv(tmp_path / "r/teeth.csv")
+    at_rest = [k for k in range(1, len(loop)) if loop["torque_nm"][k] == 0 != loop["torque_nm"][k - 1]]
+    assert len(at_rest) == 2
+    for k in at_rest:
+        mine = (teeth["step"] == loop["step"][k]) & (teeth["flank"] == np.sign(loop["torque_nm"][k - 1]))
+        assert abs(teeth["closing_m"][mine].max()) < 1e-12
+
+
 def test_the_plan_measures_large_displacements_on_the_drive(exe):
     """They correct the limits where they change K1 to K3 by more than half the tolerance: 1.8 % at w = 0.2 mm."""
     done = call(exe, "--plan", ROOT / "tests/cases/pressed_drive.nml", *RISE, "run.tolerance=0.03", "bearing.model=given")
     assert done.returncode == 0, done.stderr
-    assert 1.5 < changed_by_large_displacements(done.stdout, ", a correction known to [01]") < 6
+    assert 1.5 < changed_by_large_displacements(done.stdout) < 6
 
 
 def test_clearances_of_single_pairs(exe, tmp_path):

@@ -11,7 +11,7 @@ module hd_tooth_flanks
   use hd_strut, only: strut_t
   implicit none
   private
-  public :: tooth_angles, tooth_gaps, flank_struts, flank_directions, flanks_of
+  public :: tooth_angles, tooth_gaps, turn_to_flank, flank_struts, flank_directions, flanks_of
 
 contains
 
@@ -48,6 +48,13 @@ contains
       gap = (listed(scene, scene%gaps) + listed(scene, scene%gaps_back))/2
     end if
   end function tooth_gaps
+
+  !> Turn of the bottom to the nearest flank of a side [rad].
+  pure real(dp) function turn_to_flank(scene, closing) result(turn)
+    type(scene_t), intent(in) :: scene      !< scene
+    real(dp), intent(in) :: closing(:)      !< of the flanks of this side [m]
+    turn = -maxval(closing)/(cos(scene%pressure_angle_deg*pi/180)*(scene%bore_radius + scene%rim_thickness))
+  end function turn_to_flank
 
   !> Clearances of a list, linear between its pairs where the wave generator has turned on [m].
   pure function listed(scene, gaps) result(gap)

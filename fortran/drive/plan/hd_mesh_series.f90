@@ -12,10 +12,10 @@ module hd_mesh_series
   public :: levels, finest, coarse, first_solved, first_judged, least_tolerance, first_level, expected_error, fine, &
     share, least_error, share_of_four, meshed, extrapolate, small_displacements
 
-  !> Facets along the band, by level; finer ones than a plan's are for references, level 0 for what large displacements change.
-  integer, parameter :: band(0:13) = [3, 4, 6, 8, 12, 16, 22, 32, 46, 64, 90, 128, 181, 256]
+  !> Facets along the band, by level; finer ones than a plan's are for references.
+  integer, parameter :: band(13) = [4, 6, 8, 12, 16, 22, 32, 46, 64, 90, 128, 181, 256]
   integer, parameter :: levels = 10             !< of a plan
-  integer, parameter :: finest = ubound(band, 1)  !< of the series
+  integer, parameter :: finest = size(band)  !< of the series
   integer, parameter :: fewest_sectors = 16, sectors_of = 4  !< round the axis, and what their number is a multiple of: quarters
   real(dp), parameter :: aspect = 1.6_dp        !< facets are so much longer round the axis than along it
   real(dp), parameter :: edge_cells = 8         !< cells at the band's edges are so much shorter than its rows

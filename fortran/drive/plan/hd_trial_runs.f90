@@ -221,10 +221,15 @@ contains
   pure function name_of(s) result(name)
     type(scene_t), intent(in) :: s  !< scene on its mesh
     character(len=:), allocatable :: name
+    type(place_t) :: last
     name = to_text(s%divisions)//'x'//to_text(s%band_facets)//'_edge_'//to_text(s%edge_length)//'_layers_'// &
       to_text(s%through_wall)//'_'//to_text(s%through_ring)//'_steps_'//to_text(s%assembly_steps)//'_'// &
       to_text(s%torque_steps)//'_'//trim(s%element)//'_'//trim(s%kinematics)
     if (s%support%struts) name = name//'_balls_'//to_text(s%balls)//'_'//to_text(s%ball_stiffness)
+    if (s%support%loop) then
+      last = path_end(s)
+      name = name//'_end_'//to_text(last%step)
+    end if
     name = name//'_'//trim(s%support%name)
   end function name_of
 

@@ -15,11 +15,11 @@ module hd_loop
   use hd_tabulated_law, only: closure_table_t, stiffness_at_pressure
   use hd_balance, only: moment_on_cam, strut_moment
   use hd_text, only: rounded, to_text
-  use hd_tooth_flanks, only: tooth_angles, tooth_gaps
+  use hd_tooth_flanks, only: tooth_angles, tooth_gaps, turn_to_flank
   implicit none
   private
-  public :: loop_t, readings_t, book, engaged, read_loop, first_sense, lost_at, loop_text, write_loop, bottom_turn, store_loop, &
-    recall_loop
+  public :: loop_t, readings_t, book, engaged, no_force, read_loop, first_sense, lost_at, loop_text, write_loop, bottom_turn, &
+    store_loop, recall_loop
 
   !> A ball that comes or goes between two steps.
   type :: jump_t
@@ -62,7 +62,7 @@ module hd_loop
   end type readings_t
 
   real(dp), parameter :: no_torque = 1e-9_dp !< share of the largest torque that is none
-  real(dp), parameter :: rounding = 1e-6_dp  !< share of the largest force of a flank so far that is none
+  real(dp), parameter :: no_force = 1e-6_dp  !< share of the largest force of a flank so far that is none
   real(dp), parameter :: lost_at = 0.04_dp   !< share of the rated torque, either way, at which catalogues read lost motion
 
 contains
@@ -208,7 +208,7 @@ contains
   pure logical function engaged(loop, drive)
     type(loop_t), intent(in) :: loop    !< booked steps
     type(drive_t), intent(in) :: drive  !< its model
-    engaged = any(loop%force(drive%balls + 1:drive%balls + drive%flanks) > rounding*loop%tooth_force_max)
+    engaged = any(loop%force(drive%balls + 1:drive%balls + drive%flanks) > no_force*loop%tooth_force_max)
   end function engaged
 
   !> Turn by which the bottom is free where no pair of teeth pushes, 0 where one does: the ways to the nearest flanks of both
@@ -218,7 +218,7 @@ contains
     real(dp), intent(in) :: force(:), closing(:)     !< of the flanks [N], [m]
     real(dp), intent(in) :: most                     !< largest force of a flank so far [N]
     play = 0
-    if (.not. maxval(force) > rounding*most) play = turn_to(scene, closing(1::2)) + turn_to(scene, closing(2::2))
+    if (.not. maxval(force) > no_force*most) play = turn_to_flank(scene, closing(1::2)) + turn_to_flank(scene, closing(2::2))
   end function free_turn
 
   !> Part of a step's turn under torque: all but the way to the flanks that it nears from a step without torque, or from those that
@@ -231,17 +231,10 @@ contains
     integer :: nears
     nears = merge(1, 2, turn > 0)
     loaded = abs(turn)
-    if (free(1)) loaded = loaded - max(0._dp, turn_to(scene, before(nears::2)))
-    if (free(2)) loaded = loaded - max(0._dp, turn_to(scene, after(3 - nears::2)))
+    if (free(1)) loaded = loaded - max(0._dp, turn_to_flank(scene, before(nears::2)))
+    if (free(2)) loaded = loaded - max(0._dp, turn_to_flank(scene, after(3 - nears::2)))
     loaded = sign(max(0._dp, loaded), turn)
   end function loaded_turn
-
-  !> Turn of the bottom to the nearest flank of a side [rad].
-  pure real(dp) function turn_to(scene, closing)
-    type(scene_t), intent(in) :: scene      !< scene
-    real(dp), intent(in) :: closing(:)      !< of the flanks of this side [m]
-    turn_to = -maxval(closing)/(cos(scene%pressure_angle_deg*pi/180)*(scene%bore_radius + scene%rim_thickness))
-  end function turn_to
 
   !> The ball that comes or goes with the largest force, in this step or in one before.
   pure function larger_jump(loop, force, torque) result(jump)
@@ -424,7 +417,7 @@ contains
     rub = 0
     if (size(loop%force) > n + drive%flanks + drive%stays) rub = loop%force(n + drive%flanks + drive%stays + 1:)
     associate (teeth => merge(loop%force(n + 1:n + drive%flanks), 0._dp, &
-        loop%force(n + 1:n + drive%flanks) > rounding*loop%tooth_force_max))
+        loop%force(n + 1:n + drive%flanks) > no_force*loop%tooth_force_max))
       call add_place(output%loop, step)
       row = [loop%angle(size(loop%angle)), loop%work, loop%stored - loop%stored_assembled, loop%dissipated, &
         loop%dissipated_teeth, loop%wave_generator_torque, largest(loop%force(:n)), largest(teeth), k_ts]

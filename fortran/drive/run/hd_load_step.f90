@@ -13,10 +13,11 @@ module hd_load_step
   use hd_load_path, only: place_t, operator(<), ahead, assembled, assembly_at, begins, largest_torque, place_at, step_end, &
     stretch, torque_at
   use hd_log, only: detail
+  use hd_loop, only: no_force
   use hd_lapack, only: blas_threads
   use hd_newton, only: newton_options_t, iteration_t, iterate
   use hd_output, only: step_t, write_history
-  use hd_problem, only: state_t, load_t, move_state, pair_bodies
+  use hd_problem, only: state_t, load_t, move_state, pair_bodies, strut_closings, strut_forces
   use hd_run, only: run_t, accept, keep_checkpoint, kept_text, place_step
   use hd_scene, only: scene_t
   use hd_strut_step, only: remember
@@ -24,6 +25,7 @@ module hd_load_step
   use hd_system, only: hold_stop, stop_requested
   use hd_teeth, only: new_teeth, turn_hub
   use hd_text, only: to_text, rounded
+  use hd_tooth_flanks, only: turn_to_flank
   use hd_timers, only: in_newton, in_output, in_setup, in_turn
   use hd_vector, only: many
   implicit none
@@ -267,6 +269,7 @@ contains
       run%state)
     associate (trial => found%state, solved => found%solved, sliding => found%sliding)
       call first_guess(run, place, step, trial, known)
+      if (run%scene%support%loop .and. step%loaded .and. .not. known) call turn_to_side(run, load, step%torque, trial%u)
       options%anew = step%loaded .and. .not. (known .or. stretch(run%scene, run%place_before, run%place, place) > 0)
       if (run%model%solver%own_threads) threads = blas_threads(1)
       if (run%scene%support%against_teeth .and. step%loaded) then
@@ -282,6 +285,9 @@ contains
             found%history, solved, sliding, error)
         end if
         sliding = sliding .and. run%scene%support%friction_alone  ! elsewhere a part of the step is easier
+        if (solved .and. run%scene%support%loop .and. step%loaded .and. .not. abs(step%torque) > 0) then
+          call stay_at_flank(run, options, load, trial, found%history, error)
+        end if
       end if
       if (run%model%solver%own_threads) threads = blas_threads(threads)
       if (allocated(error)) return
@@ -294,6 +300,48 @@ contains
       end if
     end associate
   end subroutine try_part
+
+  !> Without a torque the play of the teeth leaves the bottom free, and Newton's method anywhere in it. The bottom stays where the
+  !> torque let go of it, at the flank that it came from.
+  subroutine stay_at_flank(run, options, load, state, history, error)
+    type(run_t), intent(inout) :: run                 !< run
+    type(newton_options_t), intent(in) :: options     !< of the iteration
+    type(load_t), intent(in) :: load                  !< no torque
+    type(state_t), intent(inout) :: state             !< solution
+    type(iteration_t), allocatable, intent(inout) :: history(:)  !< grows
+    type(error_t), allocatable, intent(out) :: error  !< solver
+    type(state_t) :: turned
+    type(iteration_t), allocatable :: more(:)
+    logical :: solved, sliding
+    turned = state
+    call turn_to_side(run, load, torque_at(run%scene, run%place), turned%u)
+    call iterate(run%model%drive%problem, run%model%solver, options, load, run%state, turned, more, solved, sliding, error)
+    if (allocated(error) .or. .not. solved .or. sliding) return
+    more%iteration = more%iteration + history(size(history))%iteration
+    history = [history, more(2:)]
+    call move_state(turned, state)
+  end subroutine stay_at_flank
+
+  !> Where no flank pushes, turn ring and cup, which balls do not hold, to the flank that a torque presses.
+  subroutine turn_to_side(run, load, torque, u)
+    type(run_t), intent(in) :: run           !< run of a whole drive
+    type(load_t), intent(in) :: load         !< of the step
+    real(dp), intent(in) :: torque           !< its sense counts; 0: none [N m]
+    real(dp), intent(inout) :: u(:, :)       !< displacements (3, n) [m]
+    real(dp), allocatable :: force(:), closing(:)
+    real(dp) :: turn
+    integer :: i
+    if (.not. abs(torque) > 0) return
+    associate (drive => run%model%drive)
+      force = strut_forces(drive%problem, load, u)
+      if (any(force(drive%balls + 1:drive%balls + drive%flanks) > no_force*run%loop%tooth_force_max)) return
+      closing = strut_closings(drive%problem, load, u)
+      turn = sign(turn_to_flank(run%scene, closing(drive%balls + merge(1, 2, torque > 0):drive%balls + drive%flanks:2)), torque)
+      do i = 1, drive%problem%n
+        u(2, i) = u(2, i) + turn*drive%reference(1, i)
+      end do
+    end associate
+  end subroutine turn_to_side
 
   !> What follows where a place was reached: the assembled drive may turn once, teeth and rubbing struts begin from there.
   subroutine finish_part(run, place, step, options, load, trial, error)

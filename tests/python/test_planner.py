@@ -287,6 +287,18 @@ def test_layers_correct_limits_below_three_per_cent(exe, tmp_path):
     assert limit * over == pytest.approx(rotation[2], rel=1e-5)
 
 
+def test_trials_of_a_loop_end_with_its_first_rise(exe, tmp_path):
+    """The limits of K1 to K3 are those of whole loops to 2 %; a hysteresis is promised where it is wanted, by trials of whole loops."""
+    keys = ["run.tolerance=0.3", "solver.kinematics=linear", "bearing.model=given", "run.band=.false.", "output.vtu=none"]
+    rise = solved(exe, tmp_path / "a", ROOT / "data/drive14.nml", *keys)
+    loop = solved(exe, tmp_path / "b", ROOT / "data/drive14.nml", *keys, "run.wanted=k1 k2 k3 hysteresis")
+    slopes = ["k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad"]
+    assert list(rise.limits) == slopes and list(loop.limits) == [*slopes, "hysteresis_rad"]
+    assert ["first rise" in " ".join(found.summary["plan"]["reasons"]) for found in (rise, loop)] == [True, False]
+    for name in slopes:
+        assert rise.limits[name][0] == pytest.approx(loop.limits[name][0], rel=0.02)
+
+
 def test_only_what_is_wanted_is_refined_for(exe, whole, tmp_path):
     """run.wanted: the rotation alone ends on the first mesh that is judged, at a tolerance that the pressure field needs finer ones
     for; a name that is not promised is refused with those that are."""

@@ -286,7 +286,7 @@ contains
   end function trial
 
   !> Meshes, load steps and wave generators change the slopes of a loop's first rise nearly as they change those that are read:
-  !> limits by 4, 6 and 8 rows of 27 drives are off by 0.7 %, by whole loops 0.7 % too (root mean square). So trials end there, but
+  !> limits by 4, 6 and 8 rows of 28 drives are off by 1.0 %, by whole loops 1.0 % too (root mean square). So trials end there, but
   !> where a hysteresis is wanted, the scene lists its torques, or the tolerance is fine.
   logical function rise_will_do(scene)
     type(scene_t), intent(in) :: scene  !< loop with a tolerance

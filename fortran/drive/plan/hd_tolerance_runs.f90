@@ -31,7 +31,7 @@ module hd_tolerance_runs
   private
   public :: find_band
 
-  integer, parameter :: divisions = 36, facets = 6, steps = 6  !< of the mesh, and of each leg of the loop, at most
+  integer, parameter :: divisions = 36, facets = 6, steps = 3  !< of the mesh, and of each leg of the loop, at most
   real(dp), parameter :: enough = 1e-6_dp  !< of the residuals; at 1e-4 fewer iterations a step, but more cut steps
   !> Change over value up to which derivatives do. Friction, by half of it, changes K1 of drive14 by 5 %; runs say -6 and 4 %. For
   !> its clearance, by 0.8 of it, they say 8 %; runs 9 and -17 %.

@@ -30,6 +30,9 @@ RATIOS = (30, 200)  # of strain wave gears with two lobes: below, the teeth are 
 # diameters up to [m], widths of the tolerances of the bore (H7) and of the bearing (normal class) [m]
 WIDTHS = ((30e-3, 21e-6, 9e-6), (50e-3, 25e-6, 11e-6), (80e-3, 30e-6, 13e-6), (120e-3, 35e-6, 15e-6), (150e-3, 40e-6, 18e-6),
           (180e-3, 40e-6, 25e-6), (250e-3, 46e-6, 30e-6))
+# bores of bearings up to [m], mean internal clearance of the normal class across the diameter (ISO 5753-1) [m]
+PLAYS = ((18e-3, 10.5e-6), (30e-3, 12.5e-6), (40e-3, 13e-6), (50e-3, 14.5e-6), (65e-3, 18e-6), (80e-3, 20e-6), (100e-3, 24e-6), (120e-3, 28e-6),
+         (140e-3, 33e-6), (160e-3, 35.5e-6))
 BEARINGS = ((35e-3, 6e-3), (42e-3, 7e-3), (62e-3, 9e-3))    # outer diameters and widths of flexible bearings [m]
 SHORT = re.compile(r"[-+.\d\s,eEdD]+|\.?(true|false)\.?", re.IGNORECASE)  # a value that a namelist takes without quotes
 
@@ -50,6 +53,11 @@ KNOWN = {11: Known(5), 14: Known(7.8, 50, 11.25), 17: Known(24, 60, 13.25), 20: 
 def _clearance(diameter):
     """Mean radial clearance of a normal bearing (ISO 492) in a bore to H7 (ISO 286) [m]."""
     return next((bore + bearing) / 4 for most, bore, bearing in WIDTHS if diameter <= most)
+
+
+def _play(bore):
+    """Radial clearance of the balls [m]: the fit of the bearing on the cam leaves between none and all of what a normal one has (ISO 5753-1)."""
+    return next(play / 4 for most, play in PLAYS if bore <= most)
 
 
 def _width(diameter):
@@ -97,7 +105,7 @@ def _scene(size, ratio, hat):
         "run": {"title": f"whole drive, size {size}, ratio {ratio}" + (", silk hat" if hat else "")},
         "geometry": geometry, "cup": cup, "mesh": {"divisions": 86, "band_facets": 10},
         "wave_generator": {"w": 0.2e-3 * s * 100 / ratio, "cam": "cosine", "clearance": _clearance(2 * geometry["bore_radius"])},
-        "bearing": {"balls": 21, "ball_diameter": 3.2e-3 * s}, "contact": {"friction": 0.1},
+        "bearing": {"balls": 21, "ball_diameter": 3.2e-3 * s, "clearance": _play(24.6e-3 * s)}, "contact": {"friction": 0.1},
         "load": {"support": "drive", "torque": known.torque, "torque_steps": 10, "teeth": 2 * ratio,
                  "tooth_pairs": 2 * round(0.2 * ratio), "pressure_angle_deg": _pressure_angle(ratio), "tooth_stiffness": 1.25e8 * s,
                  "spline_diameter": known.spline * 1e-3 or 70e-3 * size / 20},

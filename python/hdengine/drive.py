@@ -31,8 +31,8 @@ RATIOS = (30, 200)  # of strain wave gears with two lobes: below, the teeth are 
 WIDTHS = ((30e-3, 21e-6, 9e-6), (50e-3, 25e-6, 11e-6), (80e-3, 30e-6, 13e-6), (120e-3, 35e-6, 15e-6), (150e-3, 40e-6, 18e-6),
           (180e-3, 40e-6, 25e-6), (250e-3, 46e-6, 30e-6))
 # bores of bearings up to [m], mean internal clearance of the normal class across the diameter (ISO 5753-1) [m]
-PLAYS = ((18e-3, 10.5e-6), (30e-3, 12.5e-6), (40e-3, 13e-6), (50e-3, 14.5e-6), (65e-3, 18e-6), (80e-3, 20e-6), (100e-3, 24e-6), (120e-3, 28e-6),
-         (140e-3, 33e-6), (160e-3, 35.5e-6))
+PLAYS = ((18e-3, 10.5e-6), (30e-3, 12.5e-6), (40e-3, 13e-6), (50e-3, 14.5e-6), (65e-3, 18e-6), (80e-3, 20e-6), (100e-3, 24e-6),
+         (120e-3, 28e-6), (140e-3, 33e-6), (160e-3, 35.5e-6))
 BEARINGS = ((35e-3, 6e-3), (42e-3, 7e-3), (62e-3, 9e-3))    # outer diameters and widths of flexible bearings [m]
 SHORT = re.compile(r"[-+.\d\s,eEdD]+|\.?(true|false)\.?", re.IGNORECASE)  # a value that a namelist takes without quotes
 
@@ -56,7 +56,7 @@ def _clearance(diameter):
 
 
 def _play(bore):
-    """Radial clearance of the balls [m]: the fit of the bearing on the cam leaves between none and all of what a normal one has (ISO 5753-1)."""
+    """Mean radial clearance of the balls [m]: the fit on the cam leaves between none and all that a normal bearing has (ISO 5753-1)."""
     return next(play / 4 for most, play in PLAYS if bore <= most)
 
 

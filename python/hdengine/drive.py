@@ -56,7 +56,7 @@ def _clearance(diameter):
 
 
 def _play(bore):
-    """Mean radial clearance of the balls [m]: the fit on the cam leaves between none and all that a normal bearing has (ISO 5753-1)."""
+    """Mean radial clearance of the balls [m]: the fit on the cam leaves none to all that a normal bearing has (ISO 5753-1)."""
     return next(play / 4 for most, play in PLAYS if bore <= most)
 
 

@@ -437,7 +437,7 @@ def test_nan_in_tables_is_named(exe, tmp_path, words, text, where):
      "this scene does not use load.spline, bearing.ball_diameter, fatigue.notch_factor: take it out"),
     ("paper", ["joint.s_min=1e-12", "joint.table_file=t.csv"], "this scene does not use joint.table_file: take it out"),
     ("drive14", ["joint.s_min=1e-12", "contact.mode=bonded", "contact.friction=0.2", "turning.torque=2", "bearing.balls=0", "bearing.ball_diameter=0.003"],
-     "does not use contact.friction, bearing.ball_diameter, turning.torque, joint.s_min: take it out"),
+     "does not use contact.friction, bearing.ball_diameter, bearing.clearance, turning.torque, joint.s_min: take it out"),
     ("drive14", ["cup.sections_fillet=1e-3"], "does not use cup.sections_fillet: take it out"), ("drive14_hat", ["contact.friction=0.2"], ""),
     ("cd14", ["wave_generator.w=0"], "the cup stays round"), ("drive14", ["load.teeth=201"], "load.teeth = 201 is odd"),
     ("cd14", ["bearing.ball_diameter=0.0032", "contact.friction=0.2", "joint.sample_length=1e-3"], "")])

@@ -2,6 +2,7 @@
 """Clearance of tooth pairs from their profile: closed forms, limits, symmetry, convergence, bad input, the command."""
 import json
 import shutil
+from types import SimpleNamespace
 
 import meshio
 import numpy as np
@@ -11,6 +12,7 @@ import hdengine
 from conftest import ROOT
 from hdengine.cli import main
 from hdengine.table_file import read_csv
+from hdengine.teeth import pairs
 from hdengine.teeth.gap import flank_gap
 from hdengine.teeth.pairs import tooth_gaps
 from hdengine.teeth.profile import DoubleArc, Involute, involute_angle
@@ -19,6 +21,15 @@ from hdengine.teeth.rim_shape import RimShape, read_grid
 
 M, SCENE = 0.1778e-3, ROOT / "tests/cases/pressed_drive.nml"
 ROUND = {"wave_generator.w": 0.0}
+
+
+def test_a_clearance_that_jumps_is_kept(monkeypatch):
+    """Where a tip begins to reach into a space the clearance of the closest pair jumps: the least shift that keeps more. It ran to and fro, and ended."""
+    monkeypatch.setattr(pairs, "_closest", lambda *of: of[2] * 6e-5 + (3e-6 if of[2] > 0.37 else -3e-6))
+    monkeypatch.setattr(Involute, "spline_flank", lambda _, spaces, x2, n: x2)
+    rim = SimpleNamespace(scene={"load.teeth": 200}, root=0.018)
+    assert pairs._spline_shift(Involute(M), rim, None, 202, 0.0, 22e-6) == pytest.approx(0.37, abs=1e-6)
+    assert pairs._spline_shift(Involute(M), rim, None, 202, 0.0, 33e-6) == pytest.approx(0.5, abs=1e-6)
 
 
 @pytest.fixture(scope="module")

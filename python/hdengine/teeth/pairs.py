@@ -232,15 +232,21 @@ def _closest(rim, tooth, space, places, spaces):
 
 
 def _spline_shift(profile, rim, turn, spaces, x1, least):
-    """Profile shift of the circular spline with which the closest pair keeps a clearance: flanks part by module sin(angle)."""
+    """Profile shift of the circular spline with which the closest pair keeps a clearance: flanks part by module sin(angle). Where a
+    tip begins to reach into a space, the clearance jumps: the least shift that keeps more."""
     tooth = profile.flank(rim.scene["load.teeth"], rim.root, COARSE)
     rate = profile.module * np.sin(np.radians(profile.pressure_angle_deg))
-    x2 = x1
+    x2, low, high = x1, -np.inf, np.inf
     for _ in range(60):
         miss = least - _closest(rim, tooth, profile.spline_flank(spaces, x2, COARSE), turn, spaces)
         if abs(miss) < SETTLED:
             return x2
+        low, high = (x2, high) if miss > 0 else (low, x2)
+        if (high - low) * rate < SETTLED:
+            return high
         x2 += miss / rate
+        if not low < x2 < high:
+            x2 = (low + high) / 2
     raise InputError(f"no profile shift of the circular spline keeps a clearance of {least:g} m; valid: a lower addendum or "
                      "spline_addendum, or x2 given")
 

@@ -503,7 +503,7 @@ contains
       cause = 'bodies move by more than '//rounded(farthest(run%scene, run%model%drive%radius))//' m'
       advice = '. No drive turns that far: lower load.torque'
     end if
-    if (run%least < rounding) then
+    if (run%least < rounding .and. run%least > run%scene%tolerance) then  ! else it was reached with less friction
       cause = 'the residual stands at '//rounded(run%least)//', which is rounding,'
       advice = '. Raise solver.tolerance above it'
     end if

@@ -14,7 +14,7 @@ from conftest import ROOT, call, solved
 from hdengine.report import write_report
 from hdengine.views.labels import LOOP
 
-MESH = ["mesh.divisions=24", "mesh.band_facets=4", "load.torque_steps=4", "output.vtu=none"]  # coarse runs keep it
+MESH = ["mesh.divisions=24", "mesh.band_facets=4", "load.torque_steps=3", "output.vtu=none"]  # coarse runs keep it
 KEYS = ("k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad", "hysteresis_rad", "lost_motion_rad", "k_ts_bonded_nm_per_rad",
         "k_ts_contact_nm_per_rad")
 

@@ -75,7 +75,8 @@ def test_a_loop_with_play_reads_as_its_run(exe, tmp_path, size, play, offset):
     torque, turn = (np.interp(time, way, loop[name]) + noise.normal(0, error, time.size) for name, error in (("torque_nm", 0.01), ("angle_rad", 5e-6)))
     read = Record(torque + offset, turn).numbers(UNITS[size], draws=2)
     assert read.pop("hysteresis_rad")[0] == pytest.approx(run["hysteresis_rad"], rel=0.06, abs=10e-6)
-    assert abs(read.pop("closing_rad")[0]) < 0.1 * run["hysteresis_rad"] + 5e-6   # the loop of a run closes
+    ends_at = loop["angle_rad"][abs(loop["torque_nm"] - top) < 1e-9]
+    assert read.pop("closing_rad")[0] == pytest.approx(ends_at[-1] - ends_at[0], abs=6e-6)   # what the run's own loop leaves open
     for name, value in read.items():
         assert value[0] == pytest.approx(run[name], rel=0.03), name
 

@@ -33,6 +33,7 @@ WIDTHS = ((30e-3, 21e-6, 9e-6), (50e-3, 25e-6, 11e-6), (80e-3, 30e-6, 13e-6), (1
 # bores of bearings up to [m], mean internal clearance of the normal class across the diameter (ISO 5753-1) [m]
 PLAYS = ((18e-3, 10.5e-6), (30e-3, 12.5e-6), (40e-3, 13e-6), (50e-3, 14.5e-6), (65e-3, 18e-6), (80e-3, 20e-6), (100e-3, 24e-6),
          (120e-3, 28e-6), (140e-3, 33e-6), (160e-3, 35.5e-6))
+BORE = 24.6e-3   # of the bearing of size 14: 35 mm outside, two rings of 1 mm and a ball of 3.2 mm at either side [m]
 BEARINGS = ((35e-3, 6e-3), (42e-3, 7e-3), (62e-3, 9e-3))    # outer diameters and widths of flexible bearings [m]
 SHORT = re.compile(r"[-+.\d\s,eEdD]+|\.?(true|false)\.?", re.IGNORECASE)  # a value that a namelist takes without quotes
 
@@ -105,7 +106,7 @@ def _scene(size, ratio, hat):
         "run": {"title": f"whole drive, size {size}, ratio {ratio}" + (", silk hat" if hat else "")},
         "geometry": geometry, "cup": cup, "mesh": {"divisions": 86, "band_facets": 10},
         "wave_generator": {"w": 0.2e-3 * s * 100 / ratio, "cam": "cosine", "clearance": _clearance(2 * geometry["bore_radius"])},
-        "bearing": {"balls": 21, "ball_diameter": 3.2e-3 * s, "clearance": _play(24.6e-3 * s)}, "contact": {"friction": 0.1},
+        "bearing": {"balls": 21, "ball_diameter": 3.2e-3 * s, "clearance": _play(BORE * s)}, "contact": {"friction": 0.1},
         "load": {"support": "drive", "torque": known.torque, "torque_steps": 10, "teeth": 2 * ratio,
                  "tooth_pairs": 2 * round(0.2 * ratio), "pressure_angle_deg": _pressure_angle(ratio), "tooth_stiffness": 1.25e8 * s,
                  "spline_diameter": known.spline * 1e-3 or 70e-3 * size / 20},

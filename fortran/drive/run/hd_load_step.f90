@@ -315,8 +315,13 @@ contains
     logical :: solved, sliding
     turned = state
     call turn_to_side(run, load, torque_at(run%scene, run%place), turned%u)
+    if (.not. any(abs(turned%u - state%u) > 0)) return
     call iterate(run%model%drive%problem, run%model%solver, options, load, run%state, turned, more, solved, sliding, error)
-    if (allocated(error) .or. .not. solved .or. sliding) return
+    if (allocated(error)) return
+    if (.not. solved .or. sliding) then  ! the solution stays, and its pairs
+      call pair_bodies(run%model%drive%problem, state%u)
+      return
+    end if
     more%iteration = more%iteration + history(size(history))%iteration
     history = [history, more(2:)]
     call move_state(turned, state)

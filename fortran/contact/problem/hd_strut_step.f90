@@ -25,9 +25,8 @@ contains
   !> a wheel that nothing holds would turn far in one step of Newton's method, and rub the contact into a state far from the
   !> solution. So do those that have only just come off without a torque: it leaves the wheel where it is, and the sign of rounding
   !> errors must not send it across the play. Where struts counted, are open now, and some points stick, the contact holds the
-  !> wheel: counting them again would never end. Under large displacements a pull that a correction leaves is none of rounding: the
-  !> contact draws the wheel off, and they are let go. Nor is there any to count where no torque and no residual moves the wheel,
-  !> and points stick. Small ones draw no wheel, and there both would hang on the rounding of the linear solver.
+  !> wheel: counting them again would never end. A pull that a correction leaves is none of rounding: the contact draws the wheel
+  !> off, and they are let go. Nor is there any to count where no torque and no residual moves the wheel.
   subroutine count_ahead(problem, load, u, sticks, ahead, r)
     type(problem_t), intent(inout) :: problem  !< with strut_rate, which gets these struts
     type(load_t), intent(in) :: load           !< load
@@ -37,12 +36,12 @@ contains
     real(dp), intent(inout) :: r(:, :)         !< out-of-balance forces (3, n), get their pull [N]
     real(dp), parameter :: near = 1e-6_dp, just_off = 1e-9_dp  !< of struts that close together, of one that has just parted [m]
     real(dp), parameter :: rounded = 1e-12_dp  !< of one that rounding has parted in equilibrium [m]
+    real(dp), parameter :: unfelt = 1e-15_dp   !< by which a strut's force is no torque [m]
     real(dp), parameter :: lasting = 0.5_dp    !< share of a pull that a correction leaves: it is none of rounding
-    real(dp), parameter :: unfelt = 1e-6_dp    !< share of a strut's force at `just_off` that is no torque
     real(dp), allocatable :: closing(:)
     logical, allocatable :: linear(:), pushes(:)
     logical :: idle, parted
-    real(dp) :: felt, off
+    real(dp) :: stiff, off
     integer :: i
     if (.not. (allocated(problem%struts) .and. problem%wheel_turns)) return
     closing = strut_closings(problem, load, u)
@@ -52,10 +51,10 @@ contains
     ahead%held = ahead%held .or. (ahead%some .and. sticks .and. .not. any(linear .and. closing > -just_off))
     ahead%some = .false.
     off = merge(rounded, just_off, ahead%at_rest)
-    felt = unfelt*just_off*maxval(problem%struts%rate, mask=linear)
-    idle = .not. abs(sum(load%force(2, problem%wheel))) > felt
+    stiff = maxval(problem%struts%rate, mask=linear)
+    idle = .not. abs(sum(load%force(2, problem%wheel))) > unfelt*stiff
     parted = idle .and. any(linear .and. closing > -off)
-    idle = idle .and. sticks .and. allocated(problem%pairing) .and. .not. (parted .or. abs(sum(r(2, problem%wheel))) > felt)
+    idle = idle .and. .not. (parted .or. abs(sum(r(2, problem%wheel))) > rounded*stiff)
     pushes = linear .and. problem%strut_rate > 0
     if (ahead%at_rest .and. parted) pushes = pushes .and. closing > off
     if (ahead%held .or. idle .or. any(pushes)) return
@@ -67,7 +66,7 @@ contains
     ahead%some = any(linear)
     where (linear) problem%strut_rate = problem%struts%rate
     closing = linear_forces(problem, merge(min(0._dp, closing), 0._dp, linear))
-    ahead%held = parted .and. allocated(problem%pairing) .and. sum(abs(closing)) > lasting*ahead%pull
+    ahead%held = parted .and. sum(abs(closing)) > max(lasting*ahead%pull, rounded*stiff)
     if (parted) ahead%pull = sum(abs(closing))
     if (ahead%held) then
       where (linear) problem%strut_rate = 0

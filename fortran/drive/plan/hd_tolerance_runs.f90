@@ -2,8 +2,9 @@
 !> Runs that a band rests on (hd_tolerance_band): the drive on a coarse mesh, as it is and with one input at an end of its
 !> tolerance. Relative changes hold for the run itself. Nothing is written.
 !>
-!> Where `run.band` is 'auto', an input whose tolerance is small beside its value has no runs of its own: the derivatives along the
-!> drive as it is say what it changes. They hold for the readings of the loop, not for K_TS, which jumps with the contact states.
+!> Where `run.band` is 'auto', runs end at the opposite torque, and an input whose tolerance is small beside its value has none of
+!> its own: the derivatives along the drive as it is say what it changes. They hold for the readings of the loop, not for K_TS,
+!> which jumps with the contact states.
 module hd_tolerance_runs
   use hd_kinds, only: dp
   use hd_clock, only: wall_seconds
@@ -248,6 +249,11 @@ contains
     s%divisions = min(s%divisions, divisions)
     if (.not. s%groove_depth > 0) s%band_facets = min(s%band_facets, facets)  ! a groove is wider than a cell of the ring
     s%torque_steps = min(s%torque_steps, steps)
+    s%half_loop = s%with_band == 'auto' .and. s%torque_count == 1 .and. .not. abs(s%torques(1)) > 0
+    if (s%half_loop) then
+      s%torque_count = 3
+      s%torques(:3) = [s%torque, 0._dp, -s%torque]
+    end if
     if (s%with_band == 'auto') s%tolerance = max(s%tolerance, enough)
     s%edge_length = 0
     s%ring_divisions = 0

@@ -271,6 +271,7 @@ contains
     torque = pack(loop%torque, last_of_equals)
     angle = pack(loop%angle, last_of_equals)
     if (size(torque) < 2) return
+    if (scene%half_loop) call mirror(torque, angle)
     sense = first_sense(torque)
     call find_rise(sense*torque, .false., first, last)
     top = last
@@ -294,6 +295,16 @@ contains
         i=-1, 1, 2)])/2
     end associate
   end function read_loop
+
+  !> A loop that ends at the opposite torque goes on as the fall to there, mirrored.
+  pure subroutine mirror(torque, angle)
+    real(dp), allocatable, intent(inout) :: torque(:), angle(:)  !< of the steps, no two neighbours alike [N m], [rad]
+    integer :: top
+    top = maxloc(first_sense(torque)*torque, 1)
+    if (.not. torque(size(torque))*torque(top) < 0) return
+    angle = [angle, angle(top) + angle(size(angle)) - angle(top + 1:)]
+    torque = [torque, -torque(top + 1:)]
+  end subroutine mirror
 
   !> Sense of the first torque that is not 0.
   pure real(dp) function first_sense(torque) result(sense)

@@ -178,7 +178,7 @@ contains
     if (place%share > 0) torque = (1 - place%share)*ends(k) + place%share*ends(k + 1)
   end function torque_at
 
-  !> The torque at the end of a load step, in the sense of its first rise, is the largest so far, and falls or ends there.
+  !> The torque at the end of a load step is the largest of the way, in the sense of its first rise, and does not come again.
   pure logical function at_peak(scene, place) result(peak)
     type(scene_t), intent(in) :: scene  !< scene
     type(place_t), intent(in) :: place  !< end of a load step
@@ -190,8 +190,7 @@ contains
     if (.not. peak) return
     torque = torques_of(scene)
     torque = first_sense(torque)*torque(2:)
-    peak = torque(n) > 0 .and. torque(n) >= less*maxval(torque(:n))
-    if (n < size(torque)) peak = peak .and. torque(n + 1) < less*torque(n)
+    peak = torque(n) >= less*maxval(torque) .and. .not. any(torque(n + 1:) >= less*maxval(torque))
   end function at_peak
 
   !> Length of the next part of the way over that of the last one, by which the last change of a state goes on; 0 where that is no

@@ -208,7 +208,7 @@ def _export(args):
 def _sensitivity(args):
     from .uncertainty import SOLVED, analyse
 
-    found = analyse(args.folder, args.drive, args.draws)
+    found = analyse(args.folder, args.drive, args.draws, force=args.force)
     print(f"K_TS by Eq. 45 {found['k_ts_nm_per_rad']:.4g} N m/rad at {found['torque_nm']:g} N m")
     for name, (low, median, high) in found["bands_95_nm_per_rad"].items():
         print(f"  {name:28s} 95 % band {low:.4g} to {high:.4g}, median {median:.4g}")
@@ -238,7 +238,7 @@ def _record(args):
     check_folder(out, Record.FILES, args.force)
     record = Record.read(args.input, torque_error_nm=args.torque_error, angle_error_rad=args.angle_error * ARCSEC)
     print(record)
-    numbers = record.numbers(UNITS[args.size], args.rated_torque or rated_torque(args.size))
+    numbers = record.numbers(UNITS[args.size], rated_torque(args.size) if args.rated_torque is None else args.rated_torque)
     for name, values in numbers.items():
         scale, unit = (1 / ARCSEC, "arcsec") if not name.startswith("k") else (1, "N m/rad")
         value, low, high = (scale * v for v in values)
@@ -318,6 +318,7 @@ def make_parser() -> argparse.ArgumentParser:
     sensitivity.add_argument("folder", help="folder of a run")
     sensitivity.add_argument("--drive", action="store_true", help="also geometry, material, wave generator (solved anew)")
     sensitivity.add_argument("--draws", type=int, default=500, help="of the bands")
+    sensitivity.add_argument("--force", action="store_true", help="solve anew what --drive solved for an earlier run")
     record = _command(commands, "record", _record, "stiffness, hysteresis and lost motion from a torque-angle record",
                       "record data/torque_record.csv --size 14")
     record.add_argument("input", help="CSV with columns torque_nm and angle_rad or angle_arcsec, a whole loop")

@@ -423,7 +423,8 @@ def drive_bands(factors: dict, base: float) -> tuple[dict, dict]:
     return bands, {key: v / total for key, v in sorted(variances.items(), key=lambda item: -item[1])}
 
 
-def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int = 128, show: bool = True) -> dict:
+def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int = 128, show: bool = True,
+            force: bool = False) -> dict:
     """Tornado, bands and indices of a finished run, into its folder.
 
     Parameters
@@ -438,6 +439,8 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
         Base of the indices, a power of 2; 0: none. Left out where SALib is missing.
     show : bool
         Progress on stderr.
+    force : bool
+        Solve what `drive` keeps anew, as where the run was replaced.
 
     Returns
     -------
@@ -467,7 +470,7 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
         figures["tornado_joint.png"] = plot_tornado(field.k_ts(), found["joint"], of_joint, "Joint, contact field kept")
     if drive or (result.folder / "drive.out/study.json").is_file():
         ranges |= table_ranges(result.scene, result.folder / "tables")
-        study = one_at_a_time(result.folder / "echo.nml", ranges).run(result.folder / "drive.out", show=show)
+        study = one_at_a_time(result.folder / "echo.nml", ranges).run(result.folder / "drive.out", force=force, show=show)
         base, every = drive_tornado(study, ranges)
         curves = {key: curve for key, curve in drive_curves(study, ranges).items() if key != "joint.table_file"}
         figures["tornado_drive.png"] = plot_tornado(base, every, ranges, "Drive, contact solved anew, Eq. 45")

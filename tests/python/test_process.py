@@ -310,7 +310,7 @@ def test_a_time_limit_that_is_too_short_is_told(exe, tmp_path):
     """A limit within which no load step fits ends a run, and those that resume it, with code 7, a word of it and a summary that says so."""
     for words in ([], ["--resume"]):
         done = call(exe, CD14, *SMALL_WORDS, "solver.time_limit_s=1e-4", "--out", tmp_path / "r", *words)
-        assert done.returncode == 7 and "longer solver.time_limit_s" in done.stderr
+        assert done.returncode == 7 and "longer solver.time_limit_s" in done.stderr and "\nended " in done.stdout and "\ndone " not in done.stdout
         assert json.loads((tmp_path / "r/summary.json").read_text())["status"] == "stopped_at_limit"
 
 

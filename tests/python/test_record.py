@@ -170,6 +170,7 @@ def test_command(tmp_path, monkeypatch, capsys):
     assert found["value_low_high"]["lost_motion_rad"][0] == rated["lost_motion_rad"][0]
     assert main(words) == 3 and "--force" in capsys.readouterr().err
     assert main([*words, "--force"]) == 0
+    assert main([*words, "--force", "--rated-torque", "0"]) == 2 and "above 0" in capsys.readouterr().err
     (out / "summary.json").write_text("{}")
     assert main([*words, "--force"]) == 3 and "summary.json" in capsys.readouterr().err
 

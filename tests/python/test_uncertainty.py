@@ -144,3 +144,18 @@ def test_a_table_with_a_band_widens_the_tangent(exe, tmp_path, monkeypatch):
     assert sum(found["shares_of_variance"].values()) == pytest.approx(1)
     assert (tmp_path / "r/tornado_tangent.png").is_file()
     assert u.table_ranges({"joint.model": "spectrum"}, tmp_path) == {}
+
+
+def test_a_run_that_was_replaced_is_solved_anew_with_force(exe, tmp_path, monkeypatch):
+    """The scenes of an earlier run in the same folder are no part of another's: a message says so, and force solves them anew."""
+    monkeypatch.setattr(u, "DRIVE", {"contact.friction": u.DRIVE["contact.friction"]})
+
+    def base(torque, **options):
+        solved(exe, tmp_path / "r", ROOT / "data/cd14.nml", *SMALL, f"load.torque={torque}", "output.vtu=none", "wave_generator.ring_tangent=auto",
+               "--force")
+        return u.analyse(tmp_path / "r", drive=True, draws=20, sobol=0, show=False, **options)["tangent"]["base_nm_per_rad"]
+
+    first = base(5)
+    with pytest.raises(hdengine.FileError, match="another study: add --force"):
+        base(4)
+    assert base(4, force=True) != first

@@ -152,8 +152,8 @@ contains
     call close_run(run, trouble)
     call give_back(run%model)
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
-    call say('done      '//to_text(run%tally%iterations)//' Newton iterations, '//rounded(sum(run%record%timers%seconds))// &
-      ' s, results in '//folder)
+    call say(merge('ended     ', 'done      ', allocated(error))//to_text(run%tally%iterations)//' Newton iterations, '// &
+      rounded(sum(run%record%timers%seconds))//' s, results in '//folder)
     if (run%record%level > 0 .and. .not. allocated(error)) call say_limits(promises_of(scene), run%record)
   end subroutine run_to_end
 

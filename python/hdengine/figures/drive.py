@@ -33,7 +33,9 @@ def plot_loop(result: Result) -> Figure:
     axis.plot(loop.angle, loop.torque, "o-", ms=3, color=COLOURS[0], label="computed loop")
     for i, (angle, torque, text) in enumerate(loop.chords):
         axis.plot(angle, torque, "-", color=COLOURS[1], lw=2.5, solid_capstyle="butt", label="chords" if i == 0 else None)
-        axis.annotate(text, (angle.mean(), torque.mean()), (10, -14), textcoords="offset points", color=COLOURS[1], fontsize=11)
+        beside = loop.angle[(loop.torque > torque[0]) & (loop.torque < torque.mean())]
+        axis.annotate(text, (max(angle.mean(), *beside, -np.inf), torque.mean()), (12, -14), textcoords="offset points",
+                      color=COLOURS[1], fontsize=11)
     left, right = axis.get_xlim()
     axis.set_xlim(right=max([right, *((angle.mean() - WIDTH * left) / (1 - WIDTH) for angle, _, _ in loop.chords)]))
     axis.set_title(loop.title, fontsize=12)

@@ -108,7 +108,7 @@ contains
           end if
           given = 0
           if (allocated(problem%law%joint)) call give_way(problem%law%joint, problem%mortar%area(i), loop%traction(:, i), &
-            state%traction(:, i), state%gap(i) - loop%gap(i), given, loop%joint)
+            state%traction(:, i), [loop%gap(i), state%gap(i)], given, loop%joint)
           loop%dissipated_contact = loop%dissipated_contact - &
             problem%mortar%area(i)*dot_product(shear, state%slip(:, i) - loop%slip(:, i) + given)
         end do
@@ -133,20 +133,22 @@ contains
     end associate
   end subroutine book
 
-  !> Way that a point of a rough joint gives way along its shear in a step, without slip, and the energy that it takes.
-  pure subroutine give_way(joint, area, before, traction, opened, way, energy)
+  !> Way that a point of a rough joint gives way along its shear in a step, without slip, and the energy that it takes. It is as
+  !> stiff as at the larger pressure: where the pressure falls to nothing, the shear gives back what it took, not more.
+  pure subroutine give_way(joint, area, before, traction, gap, way, energy)
     type(closure_table_t), intent(in) :: joint     !< law
     real(dp), intent(in) :: area                   !< of the point [m^2]
     real(dp), intent(in) :: before(3), traction(3) !< at both ends of the step [Pa]
-    real(dp), intent(in) :: opened                 !< change of the gap [m]
+    real(dp), intent(in) :: gap(2)                 !< likewise [m]
     real(dp), intent(out) :: way(2)                !< [m]
     real(dp), intent(inout) :: energy              !< grows [J]
-    real(dp) :: stiffness, slope
+    real(dp) :: stiffness, slope, touching(2)
     way = 0
-    if (.not. (before(1) > 0 .and. traction(1) > 0)) return  ! it comes or goes
-    call stiffness_at_pressure(joint, traction(1), stiffness, slope)
+    if (.not. max(before(1), traction(1)) > 0) return
+    call stiffness_at_pressure(joint, max(before(1), traction(1)), stiffness, slope)
     way = (traction(2:) - before(2:))/stiffness
-    energy = energy + area*(dot_product(before(2:) + traction(2:), way) - (before(1) + traction(1))*opened)/2
+    touching = min(gap, -joint%start)
+    energy = energy + area*(dot_product(before(2:) + traction(2:), way) - (before(1) + traction(1))*(touching(2) - touching(1)))/2
   end subroutine give_way
 
   !> Write what a resumed run goes on from.

@@ -52,8 +52,7 @@ module hd_border
     procedure :: split => split_forces
     procedure :: respond => respond_struts
     procedure :: columns => active_columns
-    procedure, private :: work => work_of_motion
-    procedure, private :: motion => motion_of_node
+    procedure, private :: work => work_of_motions
     procedure :: add_solution
   end type border_t
 
@@ -107,7 +106,7 @@ contains
     end if
     do i = 1, border%modes
       u = 0
-      call add_rigid_motion(border, problem, i, border%scale, u)
+      call add_rigid_motions(border, problem, [(merge(border%scale, 0._dp, i == j), j=1, border%modes)], u)
       f = problem%spring*u
       call compliance%solve(problem, 1, f, v, error)
       if (allocated(error)) return
@@ -142,70 +141,71 @@ contains
     border%modes = size(border%body)
   end subroutine list_modes
 
-  !> Add a rigid motion of a body: a translation of `amount`, or the turn that moves points at its first node's radius by so much.
-  subroutine add_rigid_motion(self, problem, mode, amount, u)
+  !> Add rigid motions of bodies: translations by amounts, turns that move points at a body's first node's radius by so much.
+  subroutine add_rigid_motions(self, problem, amounts, u)
     class(border_t), intent(in) :: self       !< border
     type(problem_t), intent(in) :: problem    !< problem of revolved bodies
-    integer, intent(in) :: mode               !< motion
-    real(dp), intent(in) :: amount            !< [m]
+    real(dp), intent(in) :: amounts(:)        !< of the motions [m]
     real(dp), intent(inout) :: u(:, :)        !< displacements (3, n) [m]
-    integer :: i
-    associate (first => problem%first(self%body(mode)), nodes => problem%bodies(self%body(mode))%nodes())
-      !$omp parallel do schedule(static) if(3*nodes > many)
-      do i = first + 1, first + nodes
-        u(:, i) = u(:, i) + self%motion(mode, amount, i, first + 1)
+    real(dp) :: a(6), x, y, z
+    integer :: b, i
+    do b = 1, size(problem%bodies)
+      if (.not. any(self%body == b)) cycle
+      a = 0
+      do i = 1, self%modes
+        if (self%body(i) == b) a(self%kind(i)) = a(self%kind(i)) + amounts(i)
       end do
-      !$omp end parallel do
-    end associate
-  end subroutine add_rigid_motion
+      associate (first => problem%first(b) + 1, nodes => problem%bodies(b)%nodes(), c => self%cosine, s => self%sine, &
+          r => self%radius)
+        a([3, 5, 6]) = a([3, 5, 6])/r(first)
+        !$omp parallel do schedule(static) private(x, y, z) if(3*nodes > many)
+        do i = first, first + nodes - 1
+          z = self%z(i) - self%z(first)
+          x = a(1) + a(6)*z
+          y = a(2) - a(5)*z
+          u(1, i) = u(1, i) + x*c(i) + y*s(i)
+          u(2, i) = u(2, i) + y*c(i) - x*s(i) + a(3)*r(i)
+          u(3, i) = u(3, i) + a(4) + r(i)*(a(5)*s(i) - a(6)*c(i))
+        end do
+        !$omp end parallel do
+      end associate
+    end do
+  end subroutine add_rigid_motions
 
-  !> The same of a node, along r, theta, z [m].
-  pure function motion_of_node(self, mode, amount, node, first) result(u)
-    class(border_t), intent(in) :: self  !< border
-    integer, intent(in) :: mode          !< motion
-    real(dp), intent(in) :: amount       !< [m]
-    integer, intent(in) :: node, first   !< and the first one of its body
-    real(dp) :: u(3)
-    u = 0
-    select case (self%kind(mode))
-    case (1)
-      u(:2) = [amount*self%cosine(node), -amount*self%sine(node)]
-    case (2)
-      u(:2) = [amount*self%sine(node), amount*self%cosine(node)]
-    case (3)
-      u(2) = amount*self%radius(node)/self%radius(first)
-    case (4)
-      u(3) = amount
-    case (5)
-      u = amount/self%radius(first)*[-(self%z(node) - self%z(first))*self%sine(node), &
-        -(self%z(node) - self%z(first))*self%cosine(node), self%radius(node)*self%sine(node)]
-    case default
-      u = amount/self%radius(first)*[(self%z(node) - self%z(first))*self%cosine(node), &
-        -(self%z(node) - self%z(first))*self%sine(node), -self%radius(node)*self%cosine(node)]
-    end select
-  end function motion_of_node
-
-  !> Work of nodal forces on the unit of a motion [N m], summed in blocks of one length.
-  real(dp) function work_of_motion(self, problem, mode, f) result(work)
+  !> Work of nodal forces on the unit of each motion [N m], summed in blocks of one length.
+  function work_of_motions(self, problem, f) result(work)
     class(border_t), intent(in) :: self      !< border
     type(problem_t), intent(in) :: problem   !< problem
-    integer, intent(in) :: mode              !< motion
     real(dp), intent(in) :: f(:, :)          !< nodal forces (3, n) [N]
+    real(dp) :: work(self%modes)
     integer, parameter :: block = 4000       !< nodes
-    real(dp) :: part(size(f, 2)/block + 1)
-    integer :: i, k
-    associate (first => problem%first(self%body(mode)), nodes => problem%bodies(self%body(mode))%nodes())
-      part = 0
-      !$omp parallel do schedule(static) private(i) if(3*nodes > many)
-      do k = 1, nodes/block + 1
-        do i = first + block*(k - 1) + 1, first + min(block*k, nodes)
-          part(k) = part(k) + dot_product(self%motion(mode, self%scale, i, first + 1), f(:, i))
+    real(dp) :: part(6, size(f, 2)/block + 1), a(6), x, y, z
+    integer :: b, i, k
+    do b = 1, size(problem%bodies)
+      if (.not. any(self%body == b)) cycle
+      associate (first => problem%first(b) + 1, nodes => problem%bodies(b)%nodes(), c => self%cosine, s => self%sine, &
+          r => self%radius)
+        part = 0
+        !$omp parallel do schedule(static) private(i, a, x, y, z) if(3*nodes > many)
+        do k = 1, nodes/block + 1
+          a = 0
+          do i = first + block*(k - 1), first - 1 + min(block*k, nodes)
+            z = self%z(i) - self%z(first)
+            x = c(i)*f(1, i) - s(i)*f(2, i)
+            y = s(i)*f(1, i) + c(i)*f(2, i)
+            a = a + [x, y, r(i)*f(2, i), f(3, i), r(i)*s(i)*f(3, i) - z*y, z*x - r(i)*c(i)*f(3, i)]
+          end do
+          part(:, k) = a
         end do
+        !$omp end parallel do
+        a = self%scale*sum(part, 2)
+        a([3, 5, 6]) = a([3, 5, 6])/r(first)
+      end associate
+      do i = 1, self%modes
+        if (self%body(i) == b) work(i) = a(self%kind(i))
       end do
-      !$omp end parallel do
-    end associate
-    work = sum(part)
-  end function work_of_motion
+    end do
+  end function work_of_motions
 
   !> Struts that push at the present iterate.
   subroutine take_active(self, problem)
@@ -274,9 +274,7 @@ contains
     do i = 1, n
       b(i) = merge(0._dp, -closing_of(problem%struts(self%active(i)), v), self%blind(i))
     end do
-    do i = 1, self%modes
-      b(n + i) = -self%work(problem, i, left)
-    end do
+    b(n + 1:) = -self%work(problem, left)
   end function known_side
 
   !> Forces of the struts, and what is left, of nodal forces.
@@ -342,11 +340,9 @@ contains
     known = [(-dot_product(self%own(:, list(i)), forces) - sum(part(i, :)), i=1, size(list))]
     where (self%blind) known(:size(self%blind)) = 0
     if (.not. allocated(left)) return
-    do i = 1, self%modes
-      associate (entry => known(size(self%active) + i))
-        entry = entry - self%work(problem, i, left)
-      end associate
-    end do
+    associate (entries => known(size(self%active) + 1:))
+      entries = entries - self%work(problem, left)
+    end associate
   end subroutine respond_struts
 
   !> Forces P x - S R a and rigid motions R a of a solution.
@@ -365,9 +361,7 @@ contains
       u(:, i) = 0
     end do
     !$omp end parallel do
-    do i = 1, self%modes
-      call add_rigid_motion(self, problem, i, self%scale*x(size(self%active) + i), u)
-    end do
+    call add_rigid_motions(self, problem, self%scale*x(size(self%active) + 1:), u)
     !$omp parallel do schedule(static) if(size(u) > many)
     do i = 1, problem%n
       f(:, i) = f(:, i) - problem%spring(:, i)*u(:, i)

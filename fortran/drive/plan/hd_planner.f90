@@ -392,7 +392,7 @@ contains
           ' MB (mesh.memory_limit_mb)')
         exit
       end if
-      call trials%foretell(trial(plan, level - 1), trial(plan, level))
+      if (level > first_solved(scene)) call trials%foretell(trial(plan, level - 1), trial(plan, level))
       call trials%try(trial(plan, level), q(:, level), error)
       if (allocated(error)) then
         if (error%code /= code_not_converged) return

@@ -59,6 +59,7 @@ for kind in sanitize trap; do
   run data/drive14_hat.nml $small solver.kinematics=nonlinear loop.torques=5
   run data/drive14_hat.nml $small cup.sections_fillet=0 loop.torques=5
   run data/drive14.nml $small run.gradient=.true. loop.torques=5
+  run data/drive14.nml $small run.tolerance=0.2
   run data/surface.nml surface.nx=40 surface.ny=30
   [ $kind = trap ] || .venv/bin/python tools/fuzz.py --exe "$exe" --count "${1:-200}" --many "${1:-200}00" --build build-sanitize
   [ -z "$suite" ] || run_suite

@@ -33,6 +33,17 @@ def test_a_scene_takes_the_surface_of_a_fit(fitted):
     assert hdengine.read_scene(joint={"from_fit": str(out), "model": "hu2023"})["joint.model"] == "hu2023"
 
 
+def test_a_study_names_the_folder_beside_it(fitted, tmp_path, monkeypatch):
+    """Whatever the folder that it is begun from, and a folder there comes first."""
+    out, fit = fitted
+    (out.parent / "s.toml").write_text("[fixed]\njoint.from_fit = 'surface.out'\n[grid]\nload.torque = [1.0, 2.0]\n")
+    monkeypatch.chdir(tmp_path)
+    assert hdengine.Study.read(out.parent / "s.toml").check()["joint.roughness"] == pytest.approx(fit.roughness_m, rel=1e-4)
+    (tmp_path / "surface.out").mkdir()
+    with pytest.raises(hdengine.FileError, match="no folder with a whole fit"):
+        hdengine.Study.read(out.parent / "s.toml").check()
+
+
 def test_a_run_from_a_fit_is_that_of_its_numbers(fitted, exe, tmp_path):
     """A namelist names the folder beside it; the facets are those of a run with the numbers typed in, and of the echo without the folder."""
     out, _ = fitted

@@ -145,7 +145,7 @@ class Study:
     @classmethod
     @checked(path=a_path)
     def read(cls, path: PathLike) -> Study:
-        """Study of a file (TOML); the scene's path is relative to it.
+        """Study of a file (TOML); the scene's path is relative to it, and those of tables that are not found from here.
 
         Raises
         ------
@@ -157,9 +157,13 @@ class Study:
         groups = study_file.read(path)
         if not groups:
             raise InputError(f"'{path}' holds no study: it has none of the tables [{'], ['.join(study_file.GROUPS)}]")
+        folder = Path(path).parent
+        for values in (groups.get(group, {}) for group in ("grid", "together", "fixed")):
+            for key in values.keys() & set(TABLES):
+                values[key] = [str(folder / v) if (folder / v).exists() and not Path(v).exists() else v for v in values[key]]
         head = {key: v[0] for key, v in groups.get("study", {}).items()}
         figure = {key: v if key in ("y", "torque", "panels") else v[0] for key, v in groups.get("figure", {}).items()}
-        scene = str(Path(path).parent / head["scene"]) if head.get("scene") else ""
+        scene = str(folder / head["scene"]) if head.get("scene") else ""
         fixed = {key: v[0] if len(v) == 1 else v for key, v in groups.get("fixed", {}).items()}
         try:
             return cls(scene, groups.get("grid", {}), groups.get("together", {}), fixed, head.get("rows", "torque"),

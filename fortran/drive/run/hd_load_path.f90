@@ -190,7 +190,7 @@ contains
     if (.not. peak) return
     torque = torques_of(scene)
     torque = first_sense(torque)*torque(2:)
-    peak = torque(n) >= less*maxval(torque) .and. .not. any(torque(n + 1:) >= less*maxval(torque))
+    peak = torque(n) > 0 .and. torque(n) >= less*maxval(torque) .and. .not. any(torque(n + 1:) >= less*maxval(torque))
   end function at_peak
 
   !> Length of the next part of the way over that of the last one, by which the last change of a state goes on; 0 where that is no

@@ -10,6 +10,7 @@ import io
 import itertools
 import json
 import math
+import os
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -160,7 +161,7 @@ class Study:
         folder = Path(path).parent
         for values in (groups.get(group, {}) for group in ("grid", "together", "fixed")):
             for key in values.keys() & set(TABLES):
-                values[key] = [str(folder / v) if (folder / v).exists() and not Path(v).exists() else v for v in values[key]]
+                values[key] = [_found(folder, v) for v in values[key]]
         head = {key: v[0] for key, v in groups.get("study", {}).items()}
         figure = {key: v if key in ("y", "torque", "panels") else v[0] for key, v in groups.get("figure", {}).items()}
         scene = str(folder / head["scene"]) if head.get("scene") else ""
@@ -384,6 +385,12 @@ def _checksum(summary):
     """SHA-256 of all that a description holds but this."""
     rest = {k: v for k, v in summary.items() if k != "checksum"}
     return hashlib.sha256(json.dumps(rest, sort_keys=True).encode()).hexdigest()
+
+
+def _found(folder, name):
+    """The name of a table, from here or in a folder."""
+    beside = os.path.join(folder, str(name))
+    return beside if name and os.path.exists(beside) and not os.path.exists(str(name)) else name
 
 
 def read_study_summary(folder: PathLike) -> dict[str, Any]:

@@ -30,6 +30,7 @@ module hd_border
   real(dp), parameter :: flat = 1e-7_dp
   real(dp), parameter :: alike = 1e-10_dp     !< makes struts at the same nodes no two unknowns of a least square
   real(dp), parameter :: rounding = 1e-12_dp  !< relative
+  integer, parameter :: turns(3) = [3, 5, 6]  !< kinds of motions
 
   type :: border_t
     integer :: struts = 0                        !< all of them
@@ -157,7 +158,7 @@ contains
       end do
       associate (first => problem%first(b) + 1, nodes => problem%bodies(b)%nodes(), c => self%cosine, s => self%sine, &
           r => self%radius)
-        a([3, 5, 6]) = a([3, 5, 6])/r(first)
+        a(turns) = a(turns)/r(first)
         !$omp parallel do schedule(static) private(x, y, z) if(3*nodes > many)
         do i = first, first + nodes - 1
           z = self%z(i) - self%z(first)
@@ -199,7 +200,7 @@ contains
         end do
         !$omp end parallel do
         a = self%scale*sum(part, 2)
-        a([3, 5, 6]) = a([3, 5, 6])/r(first)
+        a(turns) = a(turns)/r(first)
       end associate
       do i = 1, self%modes
         if (self%body(i) == b) work(i) = a(self%kind(i))

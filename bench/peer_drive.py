@@ -19,8 +19,9 @@ from hdengine.table_file import read_csv
 
 KEYS = {"mesh.divisions": 48, "mesh.band_facets": 8, "bearing.balls": 16, "bearing.patch_length": 1e-9, "bearing.patch_width": 1e-9,
         "contact.mode": "bonded", "wave_generator.interference": 0, "loop.torques": 8, "load.torque_steps": 2, "load.assembly_steps": 1,
-        "output.vtu": "last", "solver.tolerance": 1e-10}
+        "output.vtu": "last", "solver.tolerance": 1e-10, "load.spline_root_diameter": 37e-3}
 BORE, RING, HUB, RIM, RIM_LENGTH = 17.5, 16.5, 8.0, 17.927, 9.0  # mm
+ARM = 18.08  # mm, amid the teeth: (17.86 + 37 / 2 - W) / 2
 TEETH, PAIRS, RATE, CLEARANCE, ANGLE = 200, 40, 1.25e5, 0.01, np.radians(25)  # -, -, N/mm, mm, rad
 W, TORQUES = 0.2, (4000.0, 8000.0)  # mm, N mm
 FAR = 1.0  # mm: flanks before the teeth touch
@@ -37,8 +38,9 @@ def tooth_places():
 
 def flank_equations(points, outside, divisions):
     """Closings of the flanks by displacements in cylindrical dofs: per flank a list of (node, dof, weight)."""
-    rows = flank_weights(points, outside, tooth_places()[0], divisions, RIM_LENGTH, RIM)
-    return [[(n, d, f * w) for d, f in ((1, np.sin(ANGLE)), (2, sense * np.cos(ANGLE))) for n, w in weight.items()]
+    rows = flank_weights(points, outside, tooth_places()[0], divisions, RIM_LENGTH, RIM, ARM, 2 * np.pi / divisions)
+    return [[(n, d, f) for n, (push, tilt, shear) in weight.items()
+             for d, f in ((1, np.sin(ANGLE) * push + sense * np.cos(ANGLE) * tilt), (2, sense * np.cos(ANGLE) * shear))]
             for weight in rows for sense in (1, -1)]
 
 

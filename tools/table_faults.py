@@ -76,7 +76,7 @@ def balance_faults(steps, facets, balls, teeth, summary):
             gross = np.hypot(out, way).sum()
             cup = contact + [(out * c - way * s).sum(), (out * s + way * c).sum()]
             moment = t["moment_nm"].sum()
-            if not large and (off := abs(t["moment_nm"] - way * (radius + scene["geometry.rim_thickness"])).max()) > 1e-6 * top:
+            if not large and (off := abs(t["moment_nm"] - way * summary["model"]["tooth_circle_m"]).max()) > 1e-6 * top:
                 found.append(f"step {step['step']}: the moment of a flank is off by {off:.1e} N m")
         if here[1] is not None:
             found += [f"step {step['step']}: moments on the {part} are off by {off:.1e} N m" for part, off in (

@@ -115,14 +115,15 @@ def _scene(size, ratio, hat):
 
 
 def _gaps(groups, size, ratio):
-    """Clearances of the teeth: an involute rack of 20 degrees on the assembled rim, where the closest pair just touches."""
+    """Clearances of the teeth and roots of the circular spline's: an involute rack of 20 degrees on the assembled rim, where the
+    closest pair just touches."""
     module = 2.54e-3 * size / (2 * ratio)
     assembly = groups | {"loop": {"torques": "0,0"}, "load": groups["load"] | {"torque_steps": 1}, "run": {"band": False},
                          "turning": {}, "output": {"vtu": "last"}}
     with tempfile.TemporaryDirectory() as folder:
         run("", f"{folder}/rim", show=False, **cast("SceneKeys", assembly))
         keys = tooth_gaps(Involute(module=module), f"{folder}/rim").keys()
-    return {key: keys[f"load.{key}"] for key in ("tooth_gaps", "tooth_gaps_back")}
+    return {key: keys[f"load.{key}"] for key in ("tooth_gaps", "tooth_gaps_back", "spline_root_diameter")}
 
 
 @checked(size=integer(), ratio=integer(least=RATIOS[0], most=RATIOS[1]), hat=flag)

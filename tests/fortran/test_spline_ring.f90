@@ -20,7 +20,7 @@ contains
     real(dp) :: c(2, 2), d(2, 2), r, area, widened
     integer :: i
     do i = 1, size(thick)
-      ring = new_spline_ring(radius, thick(i), width, young, poisson)
+      ring = new_spline_ring([radius, radius + thick(i)], 0._dp, width, young, poisson)
       r = radius + thick(i)/2
       area = width*thick(i)
       widened = r/(young*area)*(r**2/(thick(i)**2/12)*(pi/4 - 2/pi) + pi/4 + 2*(1 + poisson)*6/5._dp*pi/4)

@@ -73,7 +73,7 @@ def of_input(banded, key):
 
 RELATIVE = {"geometry.wall_thickness": 0.1, "geometry.rim_thickness": 0.1, "geometry.cup_length": 0.1, "geometry.bottom_thickness": 0.2,
             "geometry.hub_radius": 0.05, "geometry.ring_thickness": 0.1, "geometry.band_length": 0.1, "wave_generator.w": 0.03,
-            "wave_generator.clearance": 0.79, "load.tooth_stiffness": 0.3, "bearing.ball_diameter": 0.1, "bearing.clearance": 1}
+            "wave_generator.clearance": 0.79, "load.tooth_stiffness": 0.3, "load.spline_root_diameter": 0.005, "bearing.ball_diameter": 0.1, "bearing.clearance": 1}
 WIDTHS = {"contact.friction": 0.05, "load.pressure_angle_deg": 3, "bearing.inner_conformity": 0.005, "bearing.outer_conformity": 0.005}
 
 
@@ -99,11 +99,11 @@ def test_band_is_that_of_runs_at_the_ends(exe, banded, tmp_path):
 
 
 def test_half_loops_and_derivatives_make_the_same_band(exe, banded, tmp_path):
-    """With run.band = auto, loops that end at the opposite torque and derivatives, the ends of K1 to K3 are those of whole loops within a tenth."""
+    """With run.band = auto, loops that end at the opposite torque and derivatives, the ends of K1 to K3 are those of whole loops within 5 %."""
     quick = solve(exe, tmp_path / "a", "run.band=auto")
     for name in KEYS[:3]:
         ends = [[np.log(found[name + end] / found[name]) for end in ("_low", "_high")] for found in (quick, banded)]
-        assert ends[0] == pytest.approx(ends[1], rel=0.1), name
+        assert ends[0] == pytest.approx(ends[1], abs=0.05), name
 
 
 def test_a_hats_walls_have_a_tolerance(exe, tmp_path):

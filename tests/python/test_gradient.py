@@ -76,7 +76,7 @@ def test_flanks_that_just_touch_have_their_part(tmp_path):
 def test_a_flank_that_is_just_off_holds_nothing(tmp_path):
     """Where the torque is 0 the second flank is 0.05 nm off: derivatives of the hysteresis are those of differences; it was taken to hold, and they
     were 3 % off."""
-    keys = DRIVE | {"load.tooth_gaps": [3e-6, 1e-6, 6.001190887494975e-07, 2e-6, 4e-6, 7e-6, 3.5e-6, 1.5e-6, 1.7e-6, 2.3e-6, 4e-6, 7e-6],
+    keys = DRIVE | {"load.tooth_gaps": [3e-6, 1e-6, 6.012310574e-07, 2e-6, 4e-6, 7e-6, 3.5e-6, 1.5e-6, 1.7e-6, 2.3e-6, 4e-6, 7e-6],
                     "load.tooth_phase": 0.2, "bearing.cage_angle_deg": 5.0, "loop.torques": [8.0, 0.0, -8.0, 0.0], "load.torque_steps": 1,
                     "loop.torque_1": 8.0, "loop.torque_2": 9.0, "bearing.axial_hold": "fast", "bearing.clearance": 0.0, "solver.tolerance": 1e-11, "run.band": False,
                     "run.gradient": True}
@@ -90,7 +90,7 @@ def test_a_flank_that_is_just_off_holds_nothing(tmp_path):
 
 
 # a drive whose teeth are all open at a load step
-OPEN = {"mesh.divisions": 20, "mesh.band_facets": 3, "geometry.bore_radius": 0.039, "geometry.rim_length": 0.0201, "geometry.rim_thickness": 0.000949564,
+OPEN = {"load.spline_root_diameter": 0.0, "mesh.divisions": 20, "mesh.band_facets": 3, "geometry.bore_radius": 0.039, "geometry.rim_length": 0.0201, "geometry.rim_thickness": 0.000949564,
         "geometry.cup_length": 0.058, "geometry.hub_radius": 0.023, "wave_generator.w": 0.001, "bearing.balls": 23, "bearing.ball_diameter": 0.0071,
         "contact.friction": 0.3, "load.torque": 66.0, "load.teeth": 100, "load.tooth_stiffness": 2.8e8, "load.spline_diameter": 0.11,
         "load.torque_steps": 3, "load.tooth_gaps": 2 * [2.35658e-05, 1.40627e-05, 8.37614e-06, 6.50608e-06, 8.45253e-06, 1.42155e-05, 2.37949e-05,

@@ -297,6 +297,10 @@ def of_the_model(run):
         least = model["factor_entries"]**2 / (2 * rows)   # all columns alike
         found = {"unknowns": rows, "factor_entries": Between(30 * rows, rows**2), "factor_flops": Between(least, rows * model["factor_entries"])}
     found |= {"dof": 3 * points, "facets": n * m, "multipliers": n * (m + 1)}
+    if scene["load.support"] in ("drive", "teeth"):
+        wall = scene["geometry.bore_radius"] + scene["geometry.wall_thickness"]
+        roots = scene["load.spline_root_diameter"] / 2 or wall * (1 + 5 / scene["load.teeth"]) + scene["wave_generator.w"]
+        found["tooth_circle_m"] = (wall + roots - scene["wave_generator.w"]) / 2
     return {f"model/{name}": value for name, value in found.items()}
 
 

@@ -25,8 +25,8 @@ def test_teeth_carry_the_torque(exe, tmp_path):
     """With a ring free to slide, sum f cos(alpha) r = T to 1e-9; no tooth pulls; all moments balance; both lobes share alike."""
     steps, teeth = solve(exe, tmp_path / "a")
     force = teeth["force_n"].reshape(2, 40)
-    scene = hdengine.load(tmp_path / "a").scene
-    radius = scene["geometry.bore_radius"] + scene["geometry.rim_thickness"]
+    run = hdengine.load(tmp_path / "a")
+    scene, radius = run.scene, run.summary["model"]["tooth_circle_m"]
     torque = force.sum(axis=1) * np.cos(np.radians(scene["load.pressure_angle_deg"])) * radius
     np.testing.assert_allclose(torque, steps["torque_nm"], rtol=1e-9)
     assert force.min() >= 0 and np.all(abs(steps["torque_balance_nm"]) < 1e-9)

@@ -7,7 +7,7 @@ module hd_rim_load
   use hd_scene, only: scene_t
   implicit none
   private
-  public :: even_shear, tooth_forces, add_tooth
+  public :: even_shear, tooth_forces, force_tooth
 
   !> gauss_2 of hd_gauss but for its last bit, which is correctly rounded there and on which every torque's result hangs: equal bits
   !> of earlier runs count for more than one line.
@@ -50,6 +50,29 @@ contains
     tangential = tangential/axial_moment(body, tangential)
     radial(1, :) = -tan(scene%pressure_angle_deg*pi/180)*tangential(2, :)
   end subroutine tooth_forces
+
+  !> Nodal forces of unit forces amid the height of a tooth: outwards, and along the rim, whose arm over the rim's outside tilts it.
+  pure subroutine force_tooth(scene, body, face, turn, outwards, along)
+    type(scene_t), intent(in) :: scene           !< where the rim ends, teeth
+    type(body_t), intent(in) :: body             !< flexspline
+    type(face_t), intent(in) :: face             !< outside of the rim, nodes numbered in the body
+    real(dp), intent(in) :: turn                 !< place of the tooth [turns]
+    real(dp), intent(out) :: outwards(:, :), along(:, :)  !< (3, nodes)
+    real(dp) :: rim, arm, apart
+    rim = scene%bore_radius + scene%rim_thickness
+    arm = scene%tooth_circle() - rim
+    apart = 1._dp/min(body%sectors, scene%teeth)
+    outwards = 0
+    along = 0
+    call add_tooth(scene, body, face, turn, along(2, :))
+    along = along*rim/axial_moment(body, along)
+    outwards(1, :) = along(2, :)
+    call add_tooth(scene, body, face, turn - apart/2, along(1, :))
+    along(1, :) = -along(1, :)
+    call add_tooth(scene, body, face, turn + apart/2, along(1, :))
+    along(1, :) = -along(1, :)*(sum(outwards(1, :))/scene%rim_length*arm/rim/(2*pi*apart))
+    along(2, :) = along(2, :)*(1 + arm/rim)
+  end subroutine force_tooth
 
   !> Add the nodal weights of a tooth: an even load along the rim, over one pitch of the teeth round the axis, or one facet if that
   !> is longer. So no pair is stiffer for standing on a meridian of the mesh.

@@ -5,7 +5,7 @@
 !>   stretch e = (w + n v)/R,   shear g = f - (n w + v)/R,   curvature h = n f/R
 !> and obey  (E A e e^T + k G A g g^T + E I h h^T) (w, v, f) = load / (pi R).
 !> The housing holds the ring's turn and its translation as a whole, by forces spread evenly: harmonic 1 and the tangential part of
-!> harmonic 0 give nothing. Loads act at the teeth, inside of the centre line.
+!> harmonic 0 give nothing. Loads act amid the teeth, inside of the ring, which begins at their roots.
 module hd_spline_ring
   use hd_kinds, only: dp, pi
   use hd_error, only: error_t
@@ -17,7 +17,6 @@ module hd_spline_ring
   public :: spline_ring_t, new_spline_ring, ring_compliance, flank_compliance
 
   integer, parameter :: last = 400                    !< harmonic; what is left falls with its inverse
-  real(dp), parameter :: usual = 1.4_dp               !< outer diameter over that of the bore: 1.35 to 1.43 in catalogues
   real(dp), parameter :: shear_factor = 5._dp/6._dp   !< k of a rectangle
 
   type :: spline_ring_t
@@ -28,22 +27,23 @@ module hd_spline_ring
 contains
 
   !> Harmonics of a ring.
-  function new_spline_ring(radius, thickness, width, young, poisson) result(ring)
-    real(dp), intent(in) :: radius      !< of the teeth, the inside [m]
-    real(dp), intent(in) :: thickness   !< radial [m]
+  function new_spline_ring(radii, teeth, width, young, poisson) result(ring)
+    real(dp), intent(in) :: radii(2)    !< inside, outside [m]
+    real(dp), intent(in) :: teeth       !< from the inside inwards to where forces act [m]
     real(dp), intent(in) :: width       !< axial [m]
     real(dp), intent(in) :: young       !< E [Pa]
     real(dp), intent(in) :: poisson     !< nu
     type(spline_ring_t) :: ring
-    real(dp) :: k(3, 3), centre, rigid(3)
+    real(dp) :: k(3, 3), centre, thickness, rigid(3)
     integer :: n
-    centre = radius + thickness/2
+    centre = sum(radii)/2
+    thickness = radii(2) - radii(1)
     rigid = young*width*thickness*[1._dp, shear_factor/(2*(1 + poisson)), thickness**2/12]
     ring%uniform = centre/(2*pi*rigid(1))
     do n = 2, last
       k = rigid(1)*outer([1._dp, real(n, dp), 0._dp]/centre) + rigid(2)*outer([-n/centre, -1/centre, 1._dp]) + &
         rigid(3)*outer([0._dp, 0._dp, n/centre])
-      ring%hat(:, :, n) = at_teeth(k, thickness/2)/(pi*centre)
+      ring%hat(:, :, n) = at_teeth(k, thickness/2 + teeth)/(pi*centre)
     end do
   end function new_spline_ring
 
@@ -86,18 +86,18 @@ contains
   !> Ways of all flanks, and of their companions, under unit forces, in the order of hd_tooth_flanks [m/N].
   function flank_compliance(scene) result(c)
     type(scene_t), intent(in) :: scene  !< scene with an elastic circular spline
-    real(dp) :: c(flanks_of(scene), flanks_of(scene)), radius, thickness
+    real(dp) :: c(flanks_of(scene), flanks_of(scene)), radii(2), teeth
     type(spline_ring_t) :: ring
     real(dp) :: theta(scene%tooth_pairs), along(2, 4), way(2, 2), ways(2, 2, scene%tooth_pairs)
     real(dp), allocatable :: given(:)
     real(dp), allocatable, save :: last_given(:), last_found(:, :)  ! drives that differ in other keys ask for the same
     integer :: i, j, k, l, n, apart, half
-    radius = scene%bore_radius + scene%rim_thickness
-    thickness = merge(scene%spline_diameter/2, usual*scene%bore_radius, scene%spline_diameter > 0) - radius
+    radii = scene%spline_radii()
+    teeth = radii(1) - scene%w - scene%tooth_circle()
     theta = tooth_angles(scene)
     along = flank_directions(scene)
     n = 2*scene%tooth_pairs
-    given = [radius, thickness, scene%rim_length, scene%flexspline_e, scene%flexspline_nu, theta, along]
+    given = [radii, teeth, scene%rim_length, scene%flexspline_e, scene%flexspline_nu, theta, along]
     if (allocated(last_given)) then
       if (size(given) == size(last_given) .and. size(c) == size(last_found)) then
         if (.not. any(abs(given - last_given) > 0)) then
@@ -106,7 +106,7 @@ contains
         end if
       end if
     end if
-    ring = new_spline_ring(radius, thickness, scene%rim_length, scene%flexspline_e, scene%flexspline_nu)
+    ring = new_spline_ring(radii, teeth, scene%rim_length, scene%flexspline_e, scene%flexspline_nu)
     half = scene%tooth_pairs/2
     ways = reshape([(ring_compliance(ring, theta(i) - theta(1)), i=1, scene%tooth_pairs)], shape(ways))
     do j = 1, scene%tooth_pairs

@@ -7,14 +7,13 @@
 !> phi rotation of the hub, c closing of the free teeth per rotation, F compliance, K_0 stiffness of the hub without teeth.
 module hd_teeth
   use hd_kinds, only: dp, pi
-  use hd_body, only: axial_moment
   use hd_drive, only: drive_t, drive_load
   use hd_error, only: error_t, raise, code_not_converged
   use hd_lapack, only: solve_dense
   use hd_linear_solver, only: linear_solver_t
   use hd_newton, only: respond
   use hd_problem, only: state_t, load_t, gap_and_slip, internal_residual
-  use hd_rim_load, only: add_tooth
+  use hd_rim_load, only: force_tooth
   use hd_scene, only: scene_t
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
   implicit none
@@ -77,23 +76,20 @@ contains
     teeth%hub_rate = sum(r(2, drive%hub)*load%displacement(2, drive%hub))
   end subroutine new_teeth
 
-  !> Unit forces: even along the rim, between two meridians of the mesh by their shape functions, along the tooth's normal,
-  !> with the arm of the rim's outside.
+  !> Unit forces along the teeth's normals.
   subroutine place_teeth(scene, drive, teeth)
     type(scene_t), intent(in) :: scene       !< scene
     type(drive_t), intent(in) :: drive       !< its cup
     type(teeth_t), intent(inout) :: teeth    !< gets pattern
+    real(dp), dimension(3, drive%problem%bodies(drive%b_cup)%nodes()) :: radial, tangential
     real(dp) :: angle
     integer :: i
     angle = scene%pressure_angle_deg*pi/180
     teeth%pattern = 0
     associate (cup => drive%problem%bodies(drive%b_cup), first => drive%problem%first(drive%b_cup))
       do i = 1, teeth%n
-        associate (line => teeth%pattern(:, first + 1:first + cup%nodes(), i))
-          call add_tooth(scene, cup, drive%rim, teeth%theta(i)/(2*pi), line(2, :))
-          line(2, :) = line(2, :)*(scene%bore_radius + scene%rim_thickness)/axial_moment(cup, line)
-          line = spread([sin(angle), teeth%flank*cos(angle), 0._dp], 2, cup%nodes())*spread(line(2, :), 1, 3)
-        end associate
+        call force_tooth(scene, cup, drive%rim, teeth%theta(i)/(2*pi), radial, tangential)
+        teeth%pattern(:, first + 1:first + cup%nodes(), i) = sin(angle)*radial + teeth%flank*cos(angle)*tangential
       end do
     end associate
   end subroutine place_teeth

@@ -3,10 +3,10 @@
 !> positive torque, then the other. With friction their companions along the tangents follow, in the same order.
 module hd_tooth_flanks
   use hd_kinds, only: dp, pi
-  use hd_body, only: body_t, axial_moment
+  use hd_body, only: body_t
   use hd_elastic_law, only: stick_ratio
   use hd_face, only: face_t
-  use hd_rim_load, only: add_tooth
+  use hd_rim_load, only: force_tooth
   use hd_scene, only: scene_t
   use hd_strut, only: strut_t
   implicit none
@@ -53,7 +53,7 @@ contains
   pure real(dp) function turn_to_flank(scene, closing) result(turn)
     type(scene_t), intent(in) :: scene      !< scene
     real(dp), intent(in) :: closing(:)      !< of the flanks of this side [m]
-    turn = -maxval(closing)/(cos(scene%pressure_angle_deg*pi/180)*(scene%bore_radius + scene%rim_thickness))
+    turn = -maxval(closing)/(cos(scene%pressure_angle_deg*pi/180)*scene%tooth_circle())
   end function turn_to_flank
 
   !> Clearances of a list, linear between its pairs where the wave generator has turned on [m].
@@ -93,39 +93,31 @@ contains
     k = scene%tooth_stiffness*stick_ratio(scene%flexspline_e, scene%flexspline_nu, scene%flexspline_e, scene%flexspline_nu)
   end function tangent_stiffness
 
-  !> Struts of the flanks: each on the patch of its tooth, with the arm of the rim's outside.
+  !> Struts of the flanks: each amid the height of its tooth.
   function flank_struts(scene, body, rim, first) result(struts)
     type(scene_t), intent(in) :: scene  !< scene
     type(body_t), intent(in) :: body    !< flexspline
     type(face_t), intent(in) :: rim     !< outside of its rim, nodes numbered in the body
     integer, intent(in) :: first        !< nodes before the flexspline's
     type(strut_t) :: struts(flanks_of(scene))
-    real(dp) :: line(3, body%nodes()), theta(scene%tooth_pairs), along(2, 4)
-    logical :: outside(body%nodes())
+    real(dp), dimension(3, body%nodes()) :: radial, tangential
+    real(dp) :: theta(scene%tooth_pairs), along(2, 4)
     integer, allocatable :: nodes(:)
-    integer :: i, kind, n
+    integer :: i, j, kind, n
     n = 2*scene%tooth_pairs
     along = flank_directions(scene)
     theta = tooth_angles(scene)
-    outside = .false.
-    outside([rim%nodes]) = .true.
-    nodes = pack([(i, i=1, size(outside))], outside)
-    line = 0
     do i = 1, scene%tooth_pairs
-      line(2, nodes) = 0
-      call add_tooth(scene, body, rim, theta(i)/(2*pi), line(2, :))
-      line(2, :) = line(2, :)*(scene%bore_radius + scene%rim_thickness)/axial_moment(body, line)
+      call force_tooth(scene, body, rim, theta(i)/(2*pi), radial, tangential)
+      nodes = pack([(j, j=1, size(radial, 2))], any(abs(tangential) > 0, 1))
       do kind = 1, merge(4, 2, size(struts) > n)
         associate (strut => struts(2*(i - 1) + kind + merge(n - 2, 0, kind > 2)))
           strut%rate = scene%tooth_stiffness
           if (kind > 2) strut%rate = tangent_stiffness(scene)
           strut%power = 1
           strut%pulls = .false.
-          strut%node = pack(nodes, abs(line(2, nodes)) > 0)
-          allocate (strut%weight(3, size(strut%node)), source=0._dp)
-          strut%weight(1, :) = along(1, kind)*line(2, strut%node)
-          strut%weight(2, :) = along(2, kind)*line(2, strut%node)
-          strut%node = strut%node + first
+          strut%node = nodes + first
+          strut%weight = along(1, kind)*radial(:, nodes) + along(2, kind)*tangential(:, nodes)
         end associate
       end do
     end do

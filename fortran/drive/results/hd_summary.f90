@@ -106,7 +106,7 @@ contains
     if (allocated(record%gradient%value)) call add_gradient(json, record%gradient)
     call add_joint(json, scene, joint, sums%theory)
     if (allocated(record%k_ts_by_model)) call add_models(json, scene, record%k_ts_by_model)
-    call add_model(json, drive, solver, tally, record)
+    call add_model(json, scene, drive, solver, tally, record)
     call add_predictions(json, record%choice)
     call add_timers(json, record%timers)
     call json%add('peak_memory_mb', peak_memory_mb())
@@ -143,8 +143,9 @@ contains
   end subroutine add_outcome
 
   !> Sizes, solver, symmetry.
-  subroutine add_model(json, drive, solver, tally, record)
+  subroutine add_model(json, scene, drive, solver, tally, record)
     type(json_t), intent(inout) :: json                       !< document
+    type(scene_t), intent(in) :: scene                        !< scene
     type(drive_t), intent(in) :: drive                        !< drive
     class(linear_solver_t), intent(in) :: solver              !< linear solver
     type(tally_t), intent(in) :: tally                        !< symmetry, first guesses
@@ -163,6 +164,7 @@ contains
     call json%add('symmetry_assembly', trim(tally%symmetry(1)))
     call json%add('symmetry_torque', trim(tally%symmetry(2)))
     call json%add('inner_iterations', solver%inner)
+    if (scene%support%struts .or. scene%support%against_teeth) call json%add('tooth_circle_m', scene%tooth_circle())
     call json%add('ordering_asked', trim(solver%ordering_asked))
     call json%add('ordering_used', trim(solver%ordering_used))
     call json%finish()

@@ -59,8 +59,8 @@ contains
         is_idle = .not. (s%support%struts .or. s%support%against_teeth .or. s%torque_load == 'teeth')
       case ('tooth_stiffness', 'tooth_gaps', 'tooth_gaps_back', 'tooth_clearance')
         is_idle = .not. (s%support%struts .or. s%support%against_teeth)
-      case ('spline', 'spline_diameter')
-        is_idle = .not. s%support%struts .or. (key == 'spline_diameter' .and. s%spline == 'rigid')
+      case ('spline', 'spline_diameter', 'spline_root_diameter')
+        is_idle = .not. s%support%struts .or. (key /= 'spline' .and. s%spline == 'rigid')
       end select
     case ('joint')
       select case (key)

@@ -203,6 +203,10 @@ contains
     call tolerate(t, 1._dp, '', 'housing without play')
     call add_real(t, 'load', 'spline_diameter', 'model', s%spline_diameter, 'm', 0._dp, big, &
       'outer diameter of the circular spline; 0: 1.4 times that of the bore, as catalogues have it (1.35 to 1.43)', closed=.true.)
+    call add_real(t, 'load', 'spline_root_diameter', 'model', s%spline_root_diameter, 'm', 0._dp, big, &
+      "diameter of the roots of the circular spline's teeth, where its ring begins; 0: a quarter of a module beyond the tips "// &
+      'of teeth of 2.25 modules on the long axis', closed=.true.)
+    call tolerate(t, 5e-3_dp, 'value', 'half a module of ratio 100')
     call add_real(t, 'load', 'tooth_phase', 'assembly', s%tooth_phase, '', -0.5_dp, 0.5_dp, &
       'shift of the tooth pairs round the axis, in pitches; at 0 they lie symmetric about the long axis', closed=.true.)
     call add_real(t, 'load', 'torque', 'load', s%torque, 'N m', -big, big, 'torque at the end of the torque step', closed=.true.)

@@ -49,6 +49,7 @@ module hd_plausible
     usual_t('wave_generator.eccentricity', 1e-7_dp, 2e-4_dp), usual_t('contact.friction', 5e-3_dp, 0.6_dp), &
     usual_t('load.tooth_stiffness', 1e6_dp, 1e11_dp), &
     usual_t('load.tooth_clearance', 1e-8_dp, 1e-4_dp), usual_t('load.spline_diameter', 0.02_dp, 0.5_dp), &
+    usual_t('load.spline_root_diameter', 0.01_dp, 0.4_dp), &
     usual_t('joint.roughness', 1e-16_dp, 1e-6_dp), &
     usual_t('joint.asperity_radius', 1e-7_dp, 1e-3_dp), usual_t('joint.hardness', 1e8_dp, 2e10_dp), &
     usual_t('joint.sample_length', 1e-5_dp, 2e-2_dp), usual_t('joint.shortest_wavelength', 1e-9_dp, 1e-4_dp), &
@@ -66,7 +67,7 @@ module hd_plausible
   real(dp), parameter :: absurd = 30            !< times beyond the usual range of a length or modulus of a body
   !> Lengths of bodies; a clearance may be as good as none, and a strength or stiffness without bound.
   character(len=22), parameter :: of_bodies(*) = [character(len=22) :: &
-    'geometry.', 'cup.', 'wave_generator.w ', 'bearing.ball_diameter', 'load.spline_diameter']
+    'geometry.', 'cup.', 'wave_generator.w ', 'bearing.ball_diameter', 'load.spline_']
 
   ! What scenes of drives keep within, by the messages that are written beyond.
   real(dp), parameter :: least_w = 0.1_dp, most_w = 4                  !< deformation over the wall

@@ -57,7 +57,7 @@ module hd_scene
     character(len=name_length) :: torque_load = 'uniform', spline = 'free'
     real(dp) :: torque = 5, support_stiffness = 100, pressure_angle_deg = 20
     integer :: teeth = 200, tooth_pairs = 40
-    real(dp) :: tooth_stiffness = 1.25e8_dp, tooth_clearance = 0, tooth_friction = 0, spline_diameter = 0
+    real(dp) :: tooth_stiffness = 1.25e8_dp, tooth_clearance = 0, tooth_friction = 0, spline_diameter = 0, spline_root_diameter = 0
     real(dp) :: gaps(most_gaps) = 0, gaps_back(most_gaps) = 0
     integer :: gap_count = 1, gap_back_count = 1
     integer :: assembly_steps = 3, torque_steps = 5
@@ -118,11 +118,33 @@ module hd_scene
     procedure :: may_condense
     procedure :: may_newton
     procedure :: may_factorise
+    procedure :: spline_radii
+    procedure :: tooth_circle
     procedure :: may_harmonics
     procedure :: most_images
   end type scene_t
 
 contains
+
+  !> Radii of the circular spline's ring: the roots of its teeth, and its outside [m]. Unless given, the roots clear the tips of
+  !> teeth of 2.25 modules, whose wall stands on the long axis, by a quarter of a module.
+  pure function spline_radii(self) result(r)
+    class(scene_t), intent(in) :: self  !< scene with teeth
+    real(dp) :: r(2)
+    real(dp), parameter :: modules = 2.5_dp
+    real(dp), parameter :: usual = 1.4_dp  !< outer diameter over that of the bore: 1.35 to 1.43 in catalogues
+    r(1) = (self%bore_radius + self%wall_thickness)*(1 + 2*modules/self%teeth) + self%w
+    if (self%spline_root_diameter > 0) r(1) = self%spline_root_diameter/2
+    r(2) = merge(self%spline_diameter/2, usual*self%bore_radius, self%spline_diameter > 0)
+  end function spline_radii
+
+  !> Radius amid the flexspline's teeth at rest, whose tips reach to the circular spline's roots on the long axis [m].
+  pure real(dp) function tooth_circle(self) result(r)
+    class(scene_t), intent(in) :: self  !< scene with teeth
+    real(dp) :: spline(2)
+    spline = self%spline_radii()
+    r = (self%bore_radius + self%wall_thickness + spline(1) - self%w)/2
+  end function tooth_circle
 
   !> The faces do not part and do not slip.
   pure logical function bonded(self)

@@ -70,8 +70,8 @@ class _Mesh:
 
 
 def flank_weights(points: np.ndarray, outside: np.ndarray, theta: np.ndarray, divisions: int, rim_length: float,
-                  arm: float) -> list:
-    """Share of each node in the load of each pair of teeth: even along the rim, linear between meridians, with a given arm.
+                  rim: float, arm: float, apart: float) -> list:
+    """Share of each node in the load of each pair of teeth: even along the rim, linear between meridians.
 
     Parameters
     ----------
@@ -82,13 +82,16 @@ def flank_weights(points: np.ndarray, outside: np.ndarray, theta: np.ndarray, di
         Places of the pairs [rad].
     divisions : int
         Meridians of the mesh.
-    rim_length, arm : float
-        Loaded length from the opening; moment of a unit tangential force. In the unit of the points.
+    rim_length, rim, arm : float
+        Loaded length from the opening; radius of the rim's outside; of the circle amid the teeth, where the forces act. In the unit
+        of the points.
+    apart : float
+        Angle on either half of which the arm of a force over the rim presses, and lifts [rad].
 
     Returns
     -------
     list of dict
-        Node to weight.
+        Node to its radial force under a unit force outwards, its radial and its tangential force under one along the rim.
     """
     r, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
     sector = np.round(np.arctan2(points[:, 1], points[:, 0]) / (2 * np.pi) * divisions).astype(int) % divisions
@@ -100,8 +103,8 @@ def flank_weights(points: np.ndarray, outside: np.ndarray, theta: np.ndarray, di
         part = np.clip((rim_length - heights[i]) / whole, 0, 1)
         along[i] += whole * (part - part**2 / 2)
         along[i + 1] += whole * part**2 / 2
-    rows = []
-    for angle in theta:
+
+    def line(angle):
         place = (angle / (2 * np.pi) % 1) * divisions
         low = int(np.floor(place + 1e-9))
         weight: dict = {}
@@ -110,8 +113,14 @@ def flank_weights(points: np.ndarray, outside: np.ndarray, theta: np.ndarray, di
                 w = share * along[np.argmin(abs(heights - z[n]))]
                 if abs(w) > TELLING * scale:
                     weight[int(n)] = weight.get(int(n), 0.0) + w
-        factor = arm / sum(w * r[n] for n, w in weight.items())
-        rows.append({n: w * factor for n, w in weight.items()})
+        factor = rim / sum(w * r[n] for n, w in weight.items())
+        return {n: w * factor for n, w in weight.items()}
+    rows = []
+    for angle in theta:
+        low, middle, high = (line(angle + side * apart / 2) for side in (-1, 0, 1))
+        tilt = (arm / rim - 1) / apart
+        rows.append({n: (middle.get(n, 0.0), tilt * (low.get(n, 0.0) - high.get(n, 0.0)), arm / rim * middle.get(n, 0.0))
+                     for n in sorted({*low, *middle, *high})})
     return rows
 
 
@@ -121,7 +130,8 @@ def _rim_forces(run, mesh, step):
     rim = mesh.facing(2, 1, to_z=scene["geometry.rim_length"])
     theta = np.arctan2(points[:, 1], points[:, 0])
     radial, around = np.zeros(len(points)), np.zeros(len(points))
-    arm, alpha = scene["geometry.bore_radius"] + scene["geometry.rim_thickness"], np.radians(scene["load.pressure_angle_deg"])
+    outside, alpha = scene["geometry.bore_radius"] + scene["geometry.rim_thickness"], np.radians(scene["load.pressure_angle_deg"])
+    arm = run.summary["model"].get("tooth_circle_m", outside)
     torque = float(run.torque_nm[step])
     if supported(scene, "teeth"):
         table = run.teeth[run.teeth["step"] == run.steps["step"][step]]
@@ -142,11 +152,14 @@ def _rim_forces(run, mesh, step):
         pairs = []
     if pairs:
         rows = flank_weights(points, np.unique(mesh.sides[rim]), np.array([p[0] for p in pairs]), scene["mesh.divisions"],
-                             scene["geometry.rim_length"], arm)
+                             scene["geometry.rim_length"], outside, arm,
+                             2 * np.pi / min(scene["mesh.divisions"], scene["load.teeth"]))
         for (_, force, rub, flank), row in zip(pairs, rows):
-            for n, weight in row.items():
-                radial[n] -= (force * np.sin(alpha) + rub * np.cos(alpha)) * weight
-                around[n] += sense * flank * (force * np.cos(alpha) - rub * np.sin(alpha)) * weight
+            inwards = force * np.sin(alpha) + rub * np.cos(alpha)
+            along = sense * flank * (force * np.cos(alpha) - rub * np.sin(alpha))
+            for n, (push, tilt, shear) in row.items():
+                radial[n] += along * tilt - inwards * push
+                around[n] += along * shear
     return np.stack([radial * np.cos(theta) - around * np.sin(theta), radial * np.sin(theta) + around * np.cos(theta),
                      np.zeros(len(points))], 1)
 

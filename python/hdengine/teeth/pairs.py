@@ -77,8 +77,11 @@ class ToothGaps:
         both = [np.maximum(t[name], 0.0) for name in ("gap_m", "gap_back_m")]
         alike = all(np.allclose(g[:half], g[half:], rtol=0, atol=1e-10) for g in both)
         gaps = [[float(f"{g:.4g}") for g in (gap[:half] if alike else gap)] for gap in both]
-        return {"load.tooth_pairs": 2 * half, "load.pressure_angle_deg": round(self.pressure_angle_deg, 2),
+        keys = {"load.tooth_pairs": 2 * half, "load.pressure_angle_deg": round(self.pressure_angle_deg, 2),
                 "load.tooth_gaps": gaps[0], "load.tooth_gaps_back": gaps[1]}
+        if "spline_root_radius_m" in self.facts:
+            keys["load.spline_root_diameter"] = float(f"{2 * self.facts['spline_root_radius_m']:.5g}")
+        return keys
 
     def lines(self) -> str:
         """The same as lines for the group &load of a namelist."""
@@ -190,8 +193,9 @@ def tooth_gaps(profile: Involute | DoubleArc, path: PathLike = "", *, least_gap:
         elif least_gap is not None:
             raise InputError(f"least_gap = {least_gap:g} together with x2 = {x2:g}: must be one of them")
         space = profile.spline_flank(spaces, x2, points)
-        bottom = float(np.hypot(*space[-1]) - np.hypot(*tooth[-1]) - lift)
-        facts |= {"x1": x1, "x2": x2}
+        root = float(np.hypot(*space[-1]))
+        bottom = root - float(np.hypot(*tooth[-1])) - lift
+        facts |= {"x1": x1, "x2": x2, "spline_root_radius_m": root}
     else:
         space = _conjugate(rim, tooth, spaces, lift, points, least_gap or 0.0)
         facts |= {"tangent_deg": profile.tangent_deg}

@@ -51,12 +51,13 @@ module hd_planner
     real(dp) :: layers(promises) = 0            !< what two layers of cells leave, corrected or not
     real(dp) :: ratio(values) = 1, moved(values) = 0  !< corrections of limits: factors, and of fields what is added
     real(dp) :: estimate(promises) = 0          !< estimated relative errors of the limits
-    real(dp) :: to_limit(values) = 1            !< limit over what the mesh gives
+    real(dp) :: limit(values) = 0               !< what fine meshes would give
+    real(dp) :: to_limit(values) = 1            !< that over what the mesh gives
     real(dp) :: shift(values) = 0               !< of a field: limit less what the mesh gives
     real(dp) :: doubt(values) = 0               !< estimated errors of the limits by the meshes, relative
-    integer :: level = 0                        !< of the series of meshes; 0: nothing could be estimated
+    integer :: level = 0                        !< of the mesh that is run; 0: nothing could be estimated
     logical :: met = .false.                    !< the estimate is within the tolerance
-    type(attempts_t) :: attempts                !< of the trial that was of `scene`, if it was the last
+    type(attempts_t) :: attempts                !< of the trial of its mesh
   end type plan_t
 
 contains
@@ -156,6 +157,7 @@ contains
       real(dp), intent(out) :: small_q(values), large_q(values)  !< what they give
       type(scene_t) :: s
       s = meshed(plan%scene, level)
+      s%straight = plan%short
       call trials%try(s, small_q, error)
       s%kinematics = 'nonlinear'
       if (.not. allocated(error)) call trials%try(s, large_q, error)
@@ -338,28 +340,58 @@ contains
   subroutine judge(q, plan)
     real(dp), intent(in) :: q(:, :)       !< quantities by level (values, levels that are known)
     type(plan_t), intent(inout) :: plan   !< gets both
-    real(dp) :: limit(values)
+    integer :: n, i
+    n = size(q, 2)
+    associate (limit => plan%limit)
+      call extrapolate(plan%scene%support%loop, q, limit, plan%doubt)
+      where (.not. abs(q(:, n)) > 0) limit = 0
+      limit = limit*plan%ratio + plan%moved
+      where (abs(plan%moved) > 0) limit = max(limit, 0._dp)  ! pressures
+      plan%doubt = plan%doubt*plan%ratio
+      plan%estimate = relative(plan%scene, plan%doubt, limit)
+      where (abs(limit) > 0) plan%doubt = plan%doubt/abs(limit)
+      where (plan%estimate > 0) plan%estimate = sqrt(plan%estimate**2 + plan%change**2 + plan%simpler**2 + &
+        plan%layers**2)
+    end associate
+    call take_mesh(q(:, n), n, plan)
+    plan%met = maxval(plan%estimate, mask=wanted_of(plan%scene)) <= plan%scene%planned_tolerance
+  end subroutine judge
+
+  !> Run a mesh: from its results the limits are so far.
+  subroutine take_mesh(q, level, plan)
+    real(dp), intent(in) :: q(:)          !< quantities that it gives
+    integer, intent(in) :: level          !< of the series
+    type(plan_t), intent(inout) :: plan   !< gets the mesh
     integer :: i
-    plan%level = size(q, 2)
-    call extrapolate(plan%scene%support%loop, q, limit, plan%doubt)
-    where (.not. abs(q(:, plan%level)) > 0) limit = 0
-    limit = limit*plan%ratio + plan%moved
-    where (abs(plan%moved) > 0) limit = max(limit, 0._dp)  ! pressures
-    plan%doubt = plan%doubt*plan%ratio
-    plan%estimate = relative(plan%scene, plan%doubt, limit)
-    where (abs(limit) > 0) plan%doubt = plan%doubt/abs(limit)
-    where (plan%estimate > 0) plan%estimate = sqrt(plan%estimate**2 + plan%change**2 + plan%simpler**2 + &
-      plan%layers**2)
+    plan%level = level
     plan%to_limit = 0  ! nothing is promised of what trials had no value of
     plan%shift = 0
     where (is_field([(i, i=1, values)]))
       plan%to_limit = 1
-      plan%shift = limit - q(:, plan%level)
-    else where (abs(limit) > 0)
-      plan%to_limit = limit/q(:, plan%level)
+      plan%shift = plan%limit - q
+    else where (abs(plan%limit) > 0)
+      plan%to_limit = plan%limit/q
     end where
-    plan%met = maxval(plan%estimate, mask=wanted_of(plan%scene)) <= plan%scene%planned_tolerance
-  end subroutine judge
+  end subroutine take_mesh
+
+  !> Of the meshes that led to the limits the coarsest whose own results are as good as was asked is run.
+  subroutine choose_mesh(q, first, plan, scene)
+    real(dp), intent(in) :: q(:, :)           !< quantities by level (values, levels that are known)
+    integer, intent(in) :: first              !< level that is known
+    type(plan_t), intent(inout) :: plan       !< met; gets the mesh
+    type(scene_t), intent(inout) :: scene     !< its scene
+    real(dp) :: off(promises)
+    integer :: level
+    do level = first, size(q, 2) - 1
+      off = relative(plan%scene, q(:, level) - plan%limit, plan%limit) + plan%estimate
+      if (maxval(off, mask=wanted_of(plan%scene)) > plan%scene%planned_tolerance) cycle
+      call take_mesh(q(:, level), level, plan)
+      scene = meshed(plan%scene, level)
+      call note(plan, 'mesh '//to_text(scene%divisions)//' x '//to_text(band_rows(scene))//' facets is run: '// &
+        worst(plan, off, 'is off by')//', the largest')
+      exit
+    end do
+  end subroutine choose_mesh
 
   !> Choose everything; refine until the estimate is within the tolerance.
   subroutine plan_scene(trials, scene, plan, error)
@@ -408,6 +440,7 @@ contains
         worst(plan, plan%estimate, 'is')//', the largest; tolerance '//percent(scene%planned_tolerance))
       if (plan%met) exit
     end do
+    if (plan%met) call choose_mesh(q(:, :level), first_solved(scene), plan, now)
     plan%scene = now
     call leave_out(plan)
   end subroutine plan_scene

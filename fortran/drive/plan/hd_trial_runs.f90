@@ -47,10 +47,9 @@ module hd_trial_runs
     integer :: before = 0                    !< runs that were known when it began
     type(promise_t) :: promised(promises)    !< what is promised
     type(model_t), allocatable :: model      !< of the last run, for the next one
-    type(attempts_t) :: attempts             !< of the last run, if they are kept,
-    type(string_t) :: last                   !< which is this one
-    type(string_t), allocatable :: name(:)   !< meshes that are solved
-    type(probe_t), allocatable :: known(:)   !< and their results
+    type(string_t), allocatable :: name(:)   !< meshes that are solved,
+    type(probe_t), allocatable :: known(:)   !< their results,
+    type(attempts_t), allocatable :: attempts(:)  !< and how they were reached, if that is kept
   contains
     procedure :: try
     procedure :: seconds_of
@@ -71,7 +70,7 @@ contains
     self%folder = folder
     self%begun = wall_seconds()
     self%promised = promises_of(scene)
-    allocate (self%name(0), self%known(0))
+    allocate (self%name(0), self%known(0), self%attempts(0))
     if (len(folder) == 0) return
     if (resume .and. path_kind(folder//'/plan.nml') /= path_absent) then
       call check_same_scene(folder, 'plan.nml', scene, error)
@@ -112,8 +111,6 @@ contains
     call move_alloc(self%model, run%model)
     call forget_states(run%model)
     call new_run(s, '', '', .false., run, error)
-    self%attempts = attempts_t()
-    self%last = string_t()
     if (.not. allocated(error)) run%attempts%keeps = .not. (s%large() .or. s%support%against_teeth) .and. has_room(run)
     run%asks_tangent = .not. scene%support%loop  ! not promised there
     if (.not. allocated(error)) call march(run, path_end(run%scene), error)
@@ -134,15 +131,30 @@ contains
     end if
     new%q = q
     new%seconds = wall_seconds() - new%seconds
-    self%last%s = name_of(scene)
-    call push(self%name, self%last%s)
-    self%known = [self%known, new]
     run%attempts%start = run%tally%start
     run%attempts%keeps = .false.
-    call run%attempts%hand_on(self%attempts)
+    call remember(self, name_of(scene), new, run%attempts)
     call say(log_line(scene, new))
     call keep(self, error)
   end subroutine try
+
+  !> Add a run to those that are known.
+  subroutine remember(self, name, probe, attempts)
+    type(trial_runs_t), intent(inout) :: self      !< grows
+    character(len=*), intent(in) :: name           !< of its mesh
+    type(probe_t), intent(in) :: probe             !< its results
+    type(attempts_t), intent(inout) :: attempts    !< handed on
+    type(attempts_t), allocatable :: longer(:)
+    integer :: i
+    call push(self%name, name)
+    self%known = [self%known, probe]
+    allocate (longer(size(self%name)))
+    do i = 1, size(self%attempts)
+      call self%attempts(i)%hand_on(longer(i))
+    end do
+    call attempts%hand_on(longer(size(longer)))
+    call move_alloc(longer, self%attempts)
+  end subroutine remember
 
   !> There is room for the states of all load steps beside the model.
   logical function has_room(run)
@@ -155,14 +167,14 @@ contains
     has_room = limit <= 0 .or. estimate_memory_mb(run%scene) + mb*last%step*(size(run%state%u) + 2*size(run%state%traction)) < limit
   end function has_room
 
-  !> Attempts of the last run, if it was of a scene: none otherwise.
+  !> Attempts of the run of a scene; none where they were not kept.
   subroutine hand_over(self, scene, attempts)
     class(trial_runs_t), intent(inout) :: self     !< results
     type(scene_t), intent(in) :: scene             !< scene on its mesh
     type(attempts_t), intent(inout) :: attempts    !< gets them
-    if (.not. allocated(self%last%s)) return
-    if (self%last%s /= name_of(scene)) return
-    call self%attempts%hand_on(attempts)
+    integer :: i
+    i = place_of(self, scene)
+    if (i > 0) call self%attempts(i)%hand_on(attempts)
   end subroutine hand_over
 
   !> What a stop while planning leaves.
@@ -229,6 +241,7 @@ contains
     if (s%support%loop) then
       last = path_end(s)
       name = name//'_end_'//to_text(last%step)
+      if (s%straight) name = name//'_straight'
     end if
     name = name//'_'//trim(s%support%name)
   end function name_of
@@ -300,6 +313,7 @@ contains
     type(trial_runs_t), intent(inout) :: self         !< gets them
     type(error_t), allocatable, intent(out) :: error  !< a row is not as it was written
     type(probe_t) :: one
+    type(attempts_t) :: none
     type(string_t), allocatable :: cells(:)
     character(len=:), allocatable :: text, line
     real(dp) :: row(values + 2)
@@ -328,8 +342,7 @@ contains
       one%q(:n) = row(:n)
       one%seconds = row(n + 1)
       one%balls = row(n + 2)
-      call push(self%name, cells(1)%s)
-      self%known = [self%known, one]
+      call remember(self, cells(1)%s, one, none)
     end do
   end subroutine read_known
 end module hd_trial_runs

@@ -115,23 +115,25 @@ contains
     real(dp), allocatable :: torque(:), ends(:), ramp(:)
     real(dp) :: near, sense, stop_at
     integer :: i, j, k, first
+    logical :: straight
     torque = [0._dp]
     if (scene%torque_steps == 0) return
     ends = [0._dp, ends_of(scene)]
     first = merge(1, 2, pass_both_ways(ends, lost_at*scene%rated_torque) .and. &
       .not. pass_both_ways(ends(2:), lost_at*scene%rated_torque))
     do i = 1, size(ends) - 1
-      associate (from => ends(i), to => ends(i + 1), n => scene%torque_steps)
+      straight = scene%straight .and. i < size(ends) - 1
+      associate (from => ends(i), to => ends(i + 1), n => merge(1, scene%torque_steps, straight))
         ramp = [(from + (to - from)*(real(k, dp)/n), k=0, n - 1), to]
         near = close_by*abs(to - from)
         sense = sign(1._dp, to - from)
-        if (scene%support%loop) then
+        if (scene%support%loop .and. .not. straight) then
           do j = -1, 1, 2
             call stop_there(j*scene%torque_1, near, j*scene%torque_2, ramp)
             call stop_there(j*scene%torque_2, near, j*scene%torque_1, ramp)
           end do
         end if
-        do j = -1, merge(1, -2, i >= first .and. near > 0)
+        do j = -1, merge(1, -2, i >= first .and. near > 0 .and. .not. straight)
           stop_at = j*lost_at*scene%rated_torque
           k = count(sense*(ramp - stop_at) < 0)  ! ends of steps before it
           if (k > 0 .and. k < size(ramp) .and. minval(abs(ramp - stop_at)) > near) ramp = [ramp(:k), stop_at, ramp(k + 1:)]

@@ -71,6 +71,7 @@ module hd_scene
     ! loop: torques of the whole drive
     real(dp) :: torques(most_torques) = 0, torque_1 = 2, torque_2 = 6.9_dp, rated_torque = 7.8_dp
     integer :: torque_count = 1
+    logical :: straight = .false.         !< ramps before the last one take one load step each, and none stops there to be read
     logical :: half_loop = .false.        !< torques end at the opposite of the first: the rise from there is the fall, mirrored
     character(len=name_length) :: history = 'loop'
     ! turning: the wave generator of the whole drive

@@ -63,7 +63,7 @@ def play(name, change):
 
 CLOSING = (("14", "mesh 160 x 20", FINE), ("20", "mesh 160 x 20", FINE), ("20", "rigid spline", {"load.spline": "rigid"}),
            ("20", "friction of the flanks 0.1", {"load.tooth_friction": 0.1}), *((name, "loop to 14 N m", {"load.torque": 14}) for name in ("14", "14_hat")),
-           ("20_30", "spline of 62 mm", {"load.spline_diameter": 0.062}), ("20_50", "clearance 18 µm", fit(18)), ("20_160", "clearance 0 µm", fit(0)),
+           ("20_30", "spline of 66 mm", {"load.spline_diameter": 0.066}), ("20_50", "clearance 18 µm", fit(18)), ("20_160", "clearance 0 µm", fit(0)),
            *((name, "ring held fast", {"bearing.axial_hold": "fast"}) for name in ("14", "20", "25", "20_50", "20_160")))
 
 

@@ -82,6 +82,24 @@ def test_a_drive_is_judged_by_three_meshes(exe, tmp_path):
         assert s["results"][name] == pytest.approx(q[2], rel=1e-12)
 
 
+def test_the_coarsest_mesh_that_keeps_the_tolerance_is_run(exe, tmp_path):
+    """Limits are known from 4, 6 and 8 rows, the run takes 4: its trial's K1 to K3 lie within the tolerance with the limits' errors; its rise is taken
+    over. Ramps in long steps show the changes of K1 to K3 by large displacements that whole loops show, to 0.6 %."""
+    keys = {"run.band": False, "output.vtu": "none"}
+    found = hdengine.run(ROOT / "data/drive20_160.nml", tmp_path / "p", run__tolerance=0.06, **keys)
+    table = list(csv.DictReader((tmp_path / "p/plan.csv").open()))
+    meshes = {int(re.match(r"\d+x(\d+)_", row["mesh"])[1]): row for row in table if "_steps_3_3_" in row["mesh"] and "balls_21_" in row["mesh"]
+              and "straight" not in row["mesh"]}
+    assert sorted(meshes) == [4, 6, 8] and found.scene["mesh.band_facets"] == 4 and found.summary["plan"]["level"] == 1
+    ways = {kind: next(row for row in table if f"_{kind}_" in row["mesh"] and "straight" in row["mesh"]) for kind in ("linear", "nonlinear")}
+    whole = {kind: hdengine.run(found.folder / "echo.nml", tmp_path / kind, True, run__tolerance=0, solver__kinematics=kind, **keys) for kind in ways}
+    for name in ("k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad"):
+        limit, error, over = found.limits[name]
+        assert limit * over == pytest.approx(found.summary["results"][name], rel=1e-9) and abs(over - 1) + error < 0.06
+        change = [two.summary["results"][name] / one.summary["results"][name] for one, two in [whole.values()]]
+        assert float(ways["nonlinear"][name]) / float(ways["linear"][name]) == pytest.approx(change[0], abs=6e-3)
+
+
 def test_what_a_scene_does_not_have_is_not_promised(exe, tmp_path):
     """No pressure where the middle of the band is open, no rotation without a torque: no limit, no estimate, no word in the log."""
     done = call(exe, CD14, *NARROW, "run.tolerance=0.3", "solver.kinematics=linear", "wave_generator.clearance=30e-6",

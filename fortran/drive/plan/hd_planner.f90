@@ -374,15 +374,15 @@ contains
     end where
   end subroutine take_mesh
 
-  !> Of the meshes that led to the limits the coarsest whose own results are as good as was asked is run.
-  subroutine choose_mesh(q, first, plan, scene)
+  !> Of the meshes that led to the limits the coarsest whose own results are as good as was asked is run, where more than the last
+  !> trial is left to be solved; but pressures agree by chance on those that are not judged.
+  subroutine choose_mesh(q, plan, scene)
     real(dp), intent(in) :: q(:, :)           !< quantities by level (values, levels that are known)
-    integer, intent(in) :: first              !< level that is known
     type(plan_t), intent(inout) :: plan       !< met; gets the mesh
     type(scene_t), intent(inout) :: scene     !< its scene
     real(dp) :: off(promises)
     integer :: level
-    do level = first, size(q, 2) - 1
+    do level = merge(first_solved(scene), first_judged(scene), scene%support%loop), size(q, 2) - 1
       off = relative(plan%scene, q(:, level) - plan%limit, plan%limit) + plan%estimate
       if (maxval(off, mask=wanted_of(plan%scene)) > plan%scene%planned_tolerance) cycle
       call take_mesh(q(:, level), level, plan)
@@ -440,7 +440,7 @@ contains
         worst(plan, plan%estimate, 'is')//', the largest; tolerance '//percent(scene%planned_tolerance))
       if (plan%met) exit
     end do
-    if (plan%met) call choose_mesh(q(:, :level), first_solved(scene), plan, now)
+    if (plan%met .and. (plan%short .or. plan%scene%large())) call choose_mesh(q(:, :level), plan, now)
     plan%scene = now
     call leave_out(plan)
   end subroutine plan_scene

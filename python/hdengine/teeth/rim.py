@@ -125,7 +125,8 @@ class Rim:
         if self.shape is not None:
             return self.shape.poses(theta)
         found = cam(theta, self.path, **self.keys | {
-            "wave_generator.shape": "pressed", "load.spline_root_diameter": 0.0, "geometry.bore_radius": self.radius + self.scene["geometry.ring_thickness"]})
+            "wave_generator.shape": "pressed", "load.spline_root_diameter": 0.0,
+            "geometry.bore_radius": self.radius + self.scene["geometry.ring_thickness"]})
         return found.points, found.normal
 
     @checked(flank=array((None, 2)), places=array((None,)), spaces=integer(1), side=integer(-1, 1), end=integer(0, 1))

@@ -67,7 +67,7 @@ def scene(*keys, data="cd14.nml", small=SMALL, judged=JUDGED):
     close = 1e-5 if results["cut_backs"] == second["results"]["cut_backs"] else 1e-2   # friction along halved steps takes another path
     for name in judged:
         a, b = (r.get(name) or 0 for r in (results, second["results"]))   # a reading that the loop does not have is null
-        if abs(a - b) > close * max(abs(a), abs(b)) + 1e-13 + (play(summary) if name == "hysteresis_rad" else 0):
+        if abs(a - b) > close * max(abs(a), abs(b)) + 1e-12 + (play(summary) if name == "hysteresis_rad" else 0):
             return WRONG, f"{name}: {a:.6g}, second solver {b:.6g}"
     return RIGHT, ""
 

@@ -7,7 +7,7 @@ module hd_rim_load
   use hd_scene, only: scene_t
   implicit none
   private
-  public :: even_shear, tooth_forces, force_tooth
+  public :: even_shear, tooth_forces, force_tooth, rim_nodes
 
   !> gauss_2 of hd_gauss but for its last bit, which is correctly rounded there and on which every torque's result hangs: equal bits
   !> of earlier runs count for more than one line.
@@ -51,27 +51,40 @@ contains
     radial(1, :) = -tan(scene%pressure_angle_deg*pi/180)*tangential(2, :)
   end subroutine tooth_forces
 
+  !> Nodes of the rim's outside, each once.
+  pure function rim_nodes(body, face) result(nodes)
+    type(body_t), intent(in) :: body     !< flexspline
+    type(face_t), intent(in) :: face     !< outside of the rim, nodes numbered in the body
+    integer, allocatable :: nodes(:)
+    logical :: outside(body%nodes())
+    integer :: i
+    outside = .false.
+    outside([face%nodes]) = .true.
+    nodes = pack([(i, i=1, size(outside))], outside)
+  end function rim_nodes
+
   !> Nodal forces of unit forces amid the height of a tooth: outwards, and along the rim, whose arm over the rim's outside tilts it.
-  pure subroutine force_tooth(scene, body, face, turn, outwards, along)
+  pure subroutine force_tooth(scene, body, face, nodes, turn, outwards, along)
     type(scene_t), intent(in) :: scene           !< where the rim ends, teeth
     type(body_t), intent(in) :: body             !< flexspline
     type(face_t), intent(in) :: face             !< outside of the rim, nodes numbered in the body
+    integer, intent(in) :: nodes(:)              !< as rim_nodes
     real(dp), intent(in) :: turn                 !< place of the tooth [turns]
-    real(dp), intent(out) :: outwards(:, :), along(:, :)  !< (3, nodes)
+    real(dp), intent(inout) :: outwards(:, :), along(:, :)  !< forces (3, nodes), set on the rim alone
     real(dp) :: rim, arm, apart
     rim = scene%bore_radius + scene%rim_thickness
     arm = scene%tooth_circle() - rim
     apart = 1._dp/min(body%sectors, scene%teeth)
-    outwards = 0
-    along = 0
+    outwards(:, nodes) = 0
+    along(:, nodes) = 0
     call add_tooth(scene, body, face, turn, along(2, :))
-    along = along*rim/axial_moment(body, along)
-    outwards(1, :) = along(2, :)
+    along(2, nodes) = along(2, nodes)*rim/axial_moment(body, along)
+    outwards(1, nodes) = along(2, nodes)
     call add_tooth(scene, body, face, turn - apart/2, along(1, :))
-    along(1, :) = -along(1, :)
+    along(1, nodes) = -along(1, nodes)
     call add_tooth(scene, body, face, turn + apart/2, along(1, :))
-    along(1, :) = -along(1, :)*(sum(outwards(1, :))/scene%rim_length*arm/rim/(2*pi*apart))
-    along(2, :) = along(2, :)*(1 + arm/rim)
+    along(1, nodes) = -along(1, nodes)*(sum(outwards(1, nodes))/scene%rim_length*arm/rim/(2*pi*apart))
+    along(2, nodes) = along(2, nodes)*(1 + arm/rim)
   end subroutine force_tooth
 
   !> Add the nodal weights of a tooth: an even load along the rim, over one pitch of the teeth round the axis, or one facet if that

@@ -13,7 +13,7 @@ module hd_teeth
   use hd_linear_solver, only: linear_solver_t
   use hd_newton, only: respond
   use hd_problem, only: state_t, load_t, gap_and_slip, internal_residual
-  use hd_rim_load, only: force_tooth
+  use hd_rim_load, only: force_tooth, rim_nodes
   use hd_scene, only: scene_t
   use hd_tooth_flanks, only: tooth_angles, tooth_gaps
   implicit none
@@ -83,12 +83,16 @@ contains
     type(teeth_t), intent(inout) :: teeth    !< gets pattern
     real(dp), dimension(3, drive%problem%bodies(drive%b_cup)%nodes()) :: radial, tangential
     real(dp) :: angle
+    integer, allocatable :: outside(:)
     integer :: i
     angle = scene%pressure_angle_deg*pi/180
     teeth%pattern = 0
     associate (cup => drive%problem%bodies(drive%b_cup), first => drive%problem%first(drive%b_cup))
+      outside = rim_nodes(cup, drive%rim)
+      radial = 0
+      tangential = 0
       do i = 1, teeth%n
-        call force_tooth(scene, cup, drive%rim, teeth%theta(i)/(2*pi), radial, tangential)
+        call force_tooth(scene, cup, drive%rim, outside, teeth%theta(i)/(2*pi), radial, tangential)
         teeth%pattern(:, first + 1:first + cup%nodes(), i) = sin(angle)*radial + teeth%flank*cos(angle)*tangential
       end do
     end associate

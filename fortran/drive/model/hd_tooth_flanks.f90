@@ -6,7 +6,7 @@ module hd_tooth_flanks
   use hd_body, only: body_t
   use hd_elastic_law, only: stick_ratio
   use hd_face, only: face_t
-  use hd_rim_load, only: force_tooth
+  use hd_rim_load, only: force_tooth, rim_nodes
   use hd_scene, only: scene_t
   use hd_strut, only: strut_t
   implicit none
@@ -102,14 +102,17 @@ contains
     type(strut_t) :: struts(flanks_of(scene))
     real(dp), dimension(3, body%nodes()) :: radial, tangential
     real(dp) :: theta(scene%tooth_pairs), along(2, 4)
-    integer, allocatable :: nodes(:)
-    integer :: i, j, kind, n
+    integer, allocatable :: outside(:), nodes(:)
+    integer :: i, kind, n
     n = 2*scene%tooth_pairs
     along = flank_directions(scene)
     theta = tooth_angles(scene)
+    outside = rim_nodes(body, rim)
+    radial = 0
+    tangential = 0
     do i = 1, scene%tooth_pairs
-      call force_tooth(scene, body, rim, theta(i)/(2*pi), radial, tangential)
-      nodes = pack([(j, j=1, size(radial, 2))], any(abs(tangential) > 0, 1))
+      call force_tooth(scene, body, rim, outside, theta(i)/(2*pi), radial, tangential)
+      nodes = pack(outside, any(abs(tangential(:, outside)) > 0, 1))
       do kind = 1, merge(4, 2, size(struts) > n)
         associate (strut => struts(2*(i - 1) + kind + merge(n - 2, 0, kind > 2)))
           strut%rate = scene%tooth_stiffness

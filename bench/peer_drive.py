@@ -18,7 +18,7 @@ from hdengine.export.deck import flank_weights
 from hdengine.table_file import read_csv
 
 KEYS = {"mesh.divisions": 48, "mesh.band_facets": 8, "bearing.balls": 16, "bearing.patch_length": 1e-9, "bearing.patch_width": 1e-9,
-        "contact.mode": "bonded", "wave_generator.interference": 0, "loop.torques": 8, "load.torque_steps": 2, "load.assembly_steps": 1,
+        "contact.mode": "bonded", "wave_generator.interference": 0, "loop.torques": 8, "load.torque_steps": 2, "loop.torque_1": 4, "loop.torque_2": 8, "load.assembly_steps": 1,
         "output.vtu": "last", "solver.tolerance": 1e-10, "load.spline_root_diameter": 37e-3}
 BORE, RING, HUB, RIM, RIM_LENGTH = 17.5, 16.5, 8.0, 17.927, 9.0  # mm
 ARM = 18.08  # mm, amid the teeth: (17.86 + 37 / 2 - W) / 2

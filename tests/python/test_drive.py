@@ -212,6 +212,8 @@ def test_an_elastic_circular_spline(exe, tmp_path):
     assert left[1] == pytest.approx(left[0], abs=1e-3 * ours[1]["work_j"].max())
     done = call(exe, ROOT / "data/drive14.nml", "load.spline_diameter=35e-3", "--check")
     assert done.returncode == 2 and "load.spline_diameter = 0.035" in done.stderr and "above that of the roots of its teeth" in done.stderr
+    done = call(exe, ROOT / "data/drive14.nml", "load.spline_root_diameter=36.1e-3", "--check")
+    assert done.returncode == 2 and "above that of the wall on the long axis (0.03612)" in done.stderr
 
 
 def test_a_groove_for_the_balls(exe, tmp_path):

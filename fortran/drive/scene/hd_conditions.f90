@@ -137,7 +137,7 @@ contains
   subroutine check_drive(s, faults)
     type(scene_t), intent(in) :: s                            !< scene with support 'drive'
     type(string_t), allocatable, intent(inout) :: faults(:)   !< gets mistakes
-    real(dp) :: rim, spline(2)
+    real(dp) :: wall, spline(2)
     call check_groove(s, faults)
     call ask(faults, .not. s%formed(), 'wave_generator.shape', s%shape, "'pressed' with load.support = 'drive'")
     call ask(faults, .not. s%ring_lifts(), 'wave_generator.ring_contact', s%ring_contact, &
@@ -152,9 +152,9 @@ contains
       2*pi*(race_radius(s) - s%ball_diameter/2)/max(1, s%balls))
     call need(faults, s%balls == 0 .or. .not. s%ball_stiffness > 0, 'wave_generator.ball_stiffness', s%ball_stiffness, &
       '0 where bearing.balls stand for it')
-    rim = 2*(s%bore_radius + s%wall_thickness + s%w)
-    call need(faults, .not. s%spline_root_diameter > 0 .or. s%spline_root_diameter > rim, 'load.spline_root_diameter', &
-      s%spline_root_diameter, '0, or above that of the wall on the long axis', rim)
+    wall = 2*(s%bore_radius + s%wall_thickness + s%w)
+    call need(faults, .not. s%spline_root_diameter > 0 .or. s%spline_root_diameter > wall, 'load.spline_root_diameter', &
+      s%spline_root_diameter, '0, or above that of the wall on the long axis', wall)
     spline = 2*s%spline_radii()
     call need(faults, s%spline == 'rigid' .or. spline(2) > spline(1), 'load.spline_diameter', s%spline_diameter, &
       'above that of the roots of its teeth (load.spline_root_diameter)', spline(1))

@@ -118,7 +118,7 @@ def drive(i):
         "contact.friction": sometimes(0.9, r.uniform(0, 0.6)), "load.teeth": teeth,
         "load.tooth_pairs": 2 * int(r.integers(2, teeth // 8)), "load.tooth_stiffness": 10 ** r.uniform(7, 9),
         "load.tooth_clearance": sometimes(0.8, 10 ** r.uniform(-6, -3.7)), "load.tooth_gaps": 0, "load.tooth_gaps_back": 0,
-        "load.spline_root_diameter": 0, "load.pressure_angle_deg": sometimes(0.9, r.uniform(0, 40)),
+        "load.spline_root_diameter": 0, "load.spline_width": 0, "load.pressure_angle_deg": sometimes(0.9, r.uniform(0, 40)),
         "load.torque": 10 ** r.uniform(-1, 2) * r.choice([-1, 1]), "load.torque_steps": int(r.integers(1, 5)), "load.assembly_steps": 2,
         "loop.torques": [float(f"{v:.4g}") for v in 10 ** r.uniform(-0.5, 1.6) * r.uniform(-1, 1, int(r.integers(2, 5)))],
     }
@@ -164,7 +164,8 @@ def loose(i):
         "load.pressure_angle_deg": {50: 30, 100: 20, 160: 20}[ratio], "load.tooth_friction": sometimes(0.3, r.uniform(0.02, 0.15)),
         "load.spline": str(r.choice(["free", "rigid"])), "load.spline_diameter": 50e-3 * s, "load.torque_steps": int(r.integers(4, 7)),
         "loop.history": str(r.choice(["loop", "assembled"])), "loop.torque_1": 0.25 * torque, "loop.torque_2": 0.8 * torque,
-        "loop.rated_torque": torque, "load.tooth_gaps": 0, "load.tooth_gaps_back": 0, "load.spline_root_diameter": 0}
+        "loop.rated_torque": torque, "load.tooth_gaps": 0, "load.tooth_gaps_back": 0, "load.spline_root_diameter": 0,
+        "load.spline_width": 0}
     if r.random() < 0.6:
         pairs = keys["load.tooth_pairs"]
         way = np.tile(abs(np.arange(pairs // 2) + 0.5 - r.uniform(0.3, 0.7) * pairs / 2) / (pairs / 4), 2)

@@ -46,7 +46,7 @@ JUDGED_OF_LOOP = ("normal_force_n", "k1_nm_per_rad", "k3_nm_per_rad", "hysteresi
 
 def drive(*keys):
     """Verdict and words on a loop of the whole drive of size 14."""
-    return scene("load.spline_root_diameter=0", *keys, data="drive14.nml", small=LOOP, judged=JUDGED_OF_LOOP)
+    return scene("load.spline_root_diameter=0", "load.spline_width=0", *keys, data="drive14.nml", small=LOOP, judged=JUDGED_OF_LOOP)
 
 
 def scene(*keys, data="cd14.nml", small=SMALL, judged=JUDGED):

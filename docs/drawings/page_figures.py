@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Figures of the pages that the package draws by itself: joint of the paper, two specimens, a record, tooth gaps, a turning drive, shapes of the cup.
+"""Figures of the pages that the package draws by itself: joint of the paper, two specimens, a record, tooth gaps, shapes of the cup.
 
 Usage: docs/drawings/page_figures.py
 """
@@ -14,8 +14,7 @@ from matplotlib.collections import PolyCollection
 
 import hdengine
 from hdengine import Joint, roughness, specimen
-from hdengine.figures.drive import plot_turning
-from hdengine.figures.run import plot_joint
+from hdengine.figures.joint import plot_joint
 from hdengine.record import Record
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "bench"))
@@ -30,14 +29,14 @@ def sections(*rows):
     return {f"cup.sections_{name}": ",".join(f"{v:.6g}" for v in column) for name, column in zip(names, zip(*rows))}
 
 
-def cup(end, *, hub=HUB, taper=0.36e-3, fillet=0.0, bottom=0.5e-3):
-    """Rim as in drive14.nml, wall from `taper` behind the rim to 0.36 mm, bottom or flange."""
+def cup(end, *, taper=0.36e-3, fillet=0.0, bottom=0.5e-3):
+    """Rim as in drive14.nml, wall from `taper` behind the rim to 0.36 mm, bottom."""
     return sections((BORE, 0, 0.427e-3, 0), (BORE, 9e-3, 0.427e-3, 0), (BORE, 10e-3, taper, 0), (BORE, end, 0.36e-3, fillet),
-                    (BORE, end, bottom, fillet), (hub, end, bottom, 0))
+                    (BORE, end, bottom, fillet), (HUB, end, bottom, 0))
 
 
 SHAPES = {"simple cup": cup(19.5e-3), "fillet, wall tapered from 0.427 mm": cup(19.5e-3, fillet=1.5e-3, taper=0.427e-3),
-          "silk hat, flange to 27 mm": cup(20e-3, hub=27e-3, fillet=1.5e-3)}
+          "silk hat of drive14_hat.nml": {}}
 
 
 def meridian(folder):
@@ -67,11 +66,6 @@ def shapes(meridians):
     save_figure(figure, "cup_shapes")
 
 
-def turned(folder, scene="drive14.nml", **more):
-    """A short run of a whole drive."""
-    return hdengine.run(DATA / scene, folder, True, **{"loop.torques": 1, "load.torque_steps": 1} | more)
-
-
 def main():
     """Draw all."""
     save_figure(plot_joint(Joint(asperity_radius=250e-6, s_min=1e-15), np.logspace(-3, 3.2, 200) * 1e6).figure, "joint_stiffness")
@@ -81,13 +75,10 @@ def main():
     save_figure(Record.read(DATA / "torque_record.csv").plot(), "record")
     save_figure(hdengine.tooth_gaps(hdengine.Involute(0.1778e-3), DATA / "drive14.nml").plot(), "tooth_gaps")
     with tempfile.TemporaryDirectory() as folder:
-        save_figure(plot_turning(turned(f"{folder}/turning", **{"turning.positions": 24, "output.vtu": "none"})), "turning")
-        scene = Path(folder) / "scene.nml"
-        text = (DATA / "drive14_hat.nml").read_text()
-        scene.write_text(text[:text.index("&cup")] + text[text.index("&mesh"):])
         meridians = {}
         for name, keys in SHAPES.items():
-            turned(f"{folder}/shape", scene=scene, **keys, **{"mesh.divisions": 48, "mesh.band_facets": 8, "output.vtu": "last"})
+            hdengine.run(DATA / "drive14_hat.nml", f"{folder}/shape", True, **keys, **{
+                "loop.torques": 1, "load.torque_steps": 1, "mesh.divisions": 48, "mesh.band_facets": 8, "output.vtu": "last"})
             meridians[name] = meridian(Path(folder) / "shape")
         shapes(meridians)
 

@@ -33,8 +33,10 @@ WIDTHS = ((30e-3, 21e-6, 9e-6), (50e-3, 25e-6, 11e-6), (80e-3, 30e-6, 13e-6), (1
 # bores of bearings up to [m], mean internal clearance of the normal class across the diameter (ISO 5753-1) [m]
 PLAYS = ((18e-3, 10.5e-6), (30e-3, 12.5e-6), (40e-3, 13e-6), (50e-3, 14.5e-6), (65e-3, 18e-6), (80e-3, 20e-6), (100e-3, 24e-6),
          (120e-3, 28e-6), (140e-3, 33e-6), (160e-3, 35.5e-6))
+DIAPHRAGM = 0.002  # thickness by radius squared, over the pitch diameter cubed (EP 1 628 045: 0.0014 to 0.0026)
 BORE = 24.6e-3   # of the bearing of size 14: 35 mm outside, two rings of 1 mm and a ball of 3.2 mm at either side [m]
 BEARINGS = ((35e-3, 6e-3), (42e-3, 7e-3), (62e-3, 9e-3))    # outer diameters and widths of flexible bearings [m]
+RINGS = ((14, 5e-3), (20, 6e-3), (25, 8e-3), (32, 10e-3), (40, 13e-3))  # sizes and widths of either ring of flat gears [m]
 SHORT = re.compile(r"[-+.\d\s,eEdD]+|\.?(true|false)\.?", re.IGNORECASE)  # a value that a namelist takes without quotes
 
 
@@ -43,12 +45,13 @@ class Known(NamedTuple):
 
     torque: float           # of the loop, rated at ratio 100 or 1.15 T2, so that it reaches K3 [N m]
     spline: float = 0.0     # outer diameter of the circular spline [mm]; 0: in proportion to size 20
-    clamp: float = 0.0      # half the screws' circle and half a screw head [mm]; 0: likewise
+    clamp: float = 0.0      # half the screws' circle of a cup and half a screw head [mm]; 0: likewise
+    flange: float = 0.0     # half that of a compact hat less half a head [mm]; 0: likewise
 
 
-KNOWN = {11: Known(5), 14: Known(7.8, 50, 11.25), 17: Known(24, 60, 13.25), 20: Known(40, 70, 15.5), 25: Known(67, 85, 19.25),
-         32: Known(137, 110, 25.5), 40: Known(265, 135, 30.5), 45: Known(353), 50: Known(470), 58: Known(696), 65: Known(951),
-         80: Known(1800), 90: Known(2590)}
+KNOWN = {11: Known(5), 14: Known(7.8, 50, 11.25, 24.25), 17: Known(24, 60, 13.25, 30.25), 20: Known(40, 70, 15.5, 35.25),
+         25: Known(67, 85, 19.25, 44.5), 32: Known(137, 110, 25.5, 57.75), 40: Known(265, 135, 30.5, 71), 45: Known(353, flange=80),
+         50: Known(470, flange=88.5), 58: Known(696, flange=102.5), 65: Known(951), 80: Known(1800), 90: Known(2590)}
 
 
 def _clearance(diameter):
@@ -61,11 +64,11 @@ def _play(bore):
     return next(play / 4 for most, play in PLAYS if bore <= most)
 
 
-def _width(diameter):
-    """Of the bearing [m]: between those that are known by the line, beyond them in proportion."""
-    diameters, widths = zip(*BEARINGS, strict=True)
-    known = min(max(diameter, diameters[0]), diameters[-1])
-    return float(np.interp(known, diameters, widths)) * diameter / known
+def _width(of, known):
+    """By a table of sizes and widths [m]: between those that are known by the line, beyond them in proportion."""
+    sizes, widths = zip(*known, strict=True)
+    near = min(max(of, sizes[0]), sizes[-1])
+    return float(np.interp(near, sizes, widths)) * of / near
 
 
 def _pressure_angle(ratio):
@@ -78,14 +81,16 @@ def _bodies(size, ratio, hat):
     them to the cam, E w t / r^2, stays at that of ratio 50."""
     s, thin = size / 14, min(1, ratio / 50)
     bore, rim = 17.5e-3 * s, 9e-3 * s
-    width = _width(2 * bore)
+    width = _width(2 * bore, BEARINGS)
     geometry = {"bore_radius": bore, "rim_length": rim, "ring_thickness": 1e-3 * s * thin, "band_start": (rim - width) / 2,
                 "band_length": width}
     if hat:
+        flange = np.linspace(bore + 2e-3 * s, KNOWN[size].flange * 1e-3 or 35.25e-3 * size / 20, 3)
         return geometry, {
-            "sections_r": [bore] * 4 + [27e-3 * s], "sections_z": [x * s for x in (0, 9e-3, 10e-3, 20e-3, 20e-3)],
-            "sections_thickness": [x * s for x in (0.427e-3 * thin, 0.427e-3 * thin, 0.36e-3 * thin, 0.36e-3 * thin, 0.5e-3)],
-            "sections_fillet": [0, 0, 0, 1.5e-3 * s, 0]}
+            "sections_r": [bore] * 4 + flange.tolist(), "sections_z": [x * s for x in (0, 9e-3, 10e-3, *[20e-3] * 4)],
+            "sections_thickness": [x * s * thin for x in (0.427e-3, 0.427e-3, 0.36e-3, 0.36e-3)]
+            + (DIAPHRAGM * (2.54e-3 * size) ** 3 / flange ** 2).tolist(),
+            "sections_fillet": [0, 0, 0, 1.5e-3 * s, 0, 0, 0]}
     return geometry | {
         "wall_thickness": 0.36e-3 * s * thin, "rim_thickness": 0.427e-3 * s * thin, "rim_taper": 1e-3 * s, "cup_length": 20e-3 * s,
         "bottom_thickness": 0.5e-3 * s, "hub_radius": KNOWN[size].clamp * 1e-3 or 15.5e-3 * size / 20}, {}
@@ -109,7 +114,8 @@ def _scene(size, ratio, hat):
         "bearing": {"balls": 21, "ball_diameter": 3.2e-3 * s, "clearance": _play(BORE * s)}, "contact": {"friction": 0.1},
         "load": {"support": "drive", "torque": known.torque, "torque_steps": 10, "teeth": 2 * ratio,
                  "tooth_pairs": 2 * round(0.2 * ratio), "pressure_angle_deg": _pressure_angle(ratio), "tooth_stiffness": 1.25e8 * s,
-                 "spline_diameter": known.spline * 1e-3 or 70e-3 * size / 20},
+                 "spline_diameter": known.spline * 1e-3 or 70e-3 * size / 20,
+                 "spline_width": (geometry["rim_length"] + _width(size, RINGS)) / 2},
         "loop": {"torque_1": unit.t1_nm, "torque_2": unit.t2_nm, "rated_torque": rated_torque(size, ratio)}}
     return {group: {key: _rounded(value) for key, value in keys.items()} for group, keys in groups.items()}
 

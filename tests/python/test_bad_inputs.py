@@ -384,7 +384,7 @@ def test_bad_assignment(exe, tmp_path):
     assert done.stderr == """\
 error: unknown key 'torqe' in &load
   --> load.torqe=3
-      did you mean 'torque'?  valid: support, torque_load, teeth, tooth_pairs, pressure_angle_deg, tooth_stiffness, tooth_gaps, tooth_gaps_back, tooth_clearance, tooth_friction, spline, spline_diameter, spline_root_diameter, tooth_phase, torque, support_stiffness, assembly_steps, torque_steps, tangent_steps
+      did you mean 'torque'?  valid: support, torque_load, teeth, tooth_pairs, pressure_angle_deg, tooth_stiffness, tooth_gaps, tooth_gaps_back, tooth_clearance, tooth_friction, spline, spline_diameter, spline_root_diameter, spline_width, tooth_phase, torque, support_stiffness, assembly_steps, torque_steps, tangent_steps
 error: 'divisions' is not an integer: 'ten'
   --> mesh.divisions=ten
       valid: integer >= 8 and <= 100000

@@ -71,9 +71,9 @@ def of_input(banded, key):
     return whole * banded["band_shares"][key]
 
 
-RELATIVE = {"geometry.wall_thickness": 0.1, "geometry.rim_thickness": 0.1, "geometry.cup_length": 0.1, "geometry.bottom_thickness": 0.2,
+RELATIVE = {"geometry.wall_thickness": 0.1, "geometry.rim_thickness": 0.1, "geometry.cup_length": 0.1, "geometry.bottom_thickness": 0.3,
             "geometry.hub_radius": 0.05, "geometry.ring_thickness": 0.1, "geometry.band_length": 0.1, "wave_generator.w": 0.03,
-            "wave_generator.clearance": 0.79, "load.tooth_stiffness": 0.3, "load.spline_root_diameter": 0.005, "bearing.ball_diameter": 0.1, "bearing.clearance": 1}
+            "wave_generator.clearance": 0.79, "load.tooth_stiffness": 0.3, "load.spline_root_diameter": 0.005, "load.spline_width": 0.33, "bearing.ball_diameter": 0.1, "bearing.clearance": 1}
 WIDTHS = {"contact.friction": 0.05, "load.pressure_angle_deg": 3, "bearing.inner_conformity": 0.005, "bearing.outer_conformity": 0.005}
 
 

@@ -40,6 +40,13 @@ def test_a_fillet_changes_little(exe, tmp_path):
     assert 0 < abs(rounded / sharp - 1) < 0.02
 
 
+def test_teeth_stand_on_the_wall(exe, tmp_path):
+    """A flange thinner than the wall leaves the circle of the teeth's forces where it is."""
+    thin = "cup.sections_thickness=0.427e-3,0.427e-3,0.36e-3,0.36e-3,0.2e-3"
+    circles = [solved(exe, tmp_path / "r", ROOT / "tests/cases/pressed_hat.nml", *SMALL, *keys).summary["model"]["tooth_circle_m"] for keys in ((), (thin,))]
+    assert circles[0] == circles[1] > 17.5e-3 + 0.36e-3
+
+
 def test_the_echo_keeps_the_sections(exe, tmp_path):
     """The echo of a hat reads back as the same scene."""
     assert call(exe, ROOT / "tests/cases/pressed_hat.nml", *SMALL, "load.torque_steps=1", "--out", tmp_path / "o", "-q").returncode == 0

@@ -199,7 +199,7 @@ def test_a_larger_mesh_takes_stored_answers(exe, tmp_path):
 
 def test_an_elastic_circular_spline(exe, tmp_path):
     """The drive gets softer, in the condensed form and in the matrix alike, and its energy balances as on a rigid spline: what the
-    ring stores is part of it. A diameter inside of the rim is refused."""
+    ring stores is part of it. Half as wide it gives way twice as much. A diameter inside of the rim is refused."""
     keys = ["loop.torques=8,1", "load.torque_steps=3", "solver.tolerance=1e-11"]
     soft = [*keys, "load.spline=free"]
     rigid, ours = solve(exe, tmp_path / "r", *keys), solve(exe, tmp_path / "c", *soft)
@@ -208,6 +208,10 @@ def test_an_elastic_circular_spline(exe, tmp_path):
         a, b = ours[table][column], other[table][column]
         np.testing.assert_allclose(a, b, rtol=0, atol=1e-8 * abs(a).max(), err_msg=column)
     assert 1.1 < ours[1]["angle_rad"].max() / rigid[1]["angle_rad"].max() < 1.5
+    length = hdengine.read_scene(ROOT / "tests/cases/pressed_drive.nml")["geometry.rim_length"]
+    wide, narrow = (solve(exe, tmp_path / "w", *soft, f"load.spline_width={width}")[1]["angle_rad"] for width in (length, length / 2))
+    assert np.array_equal(wide, ours[1]["angle_rad"])
+    assert (narrow - rigid[1]["angle_rad"]).max() == pytest.approx(2 * (wide - rigid[1]["angle_rad"]).max(), rel=0.1)
     left = [(loop["work_j"] - loop["stored_j"] - loop["dissipated_j"])[-1] for loop in (rigid[1], ours[1])]
     assert left[1] == pytest.approx(left[0], abs=1e-3 * ours[1]["work_j"].max())
     done = call(exe, ROOT / "data/drive14.nml", "load.spline_diameter=35e-3", "--check")
@@ -433,13 +437,13 @@ def test_the_balls_do_not_stretch_the_ring(exe, tmp_path, kinematics):
 
 
 def test_pairs_of_large_displacements_are_where_they_belong(exe, tmp_path):
-    """K1 to K3 of a coarse size 14 are those of pairs within 1e-8 rad and 1e-8 of the radius of their places and a tolerance of 1e-10."""
+    """K1 to K3 of a coarse size 14 are those of pairs within 1e-8 rad and 1e-8 of the radius of their places and a tolerance of 1e-10, to 3e-7."""
     done = call(exe, ROOT / "data/drive14.nml", "mesh.divisions=44", "mesh.band_facets=6", "solver.kinematics=nonlinear", "output.vtu=none",
                 "run.band=.false.", "--out", tmp_path / "r", "-q")
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "r/summary.json").read_text())["results"]
-    for name, value in {"k1": 5173.249756, "k2": 6015.470275, "k3": 10222.760444}.items():
-        assert found[f"{name}_nm_per_rad"] == pytest.approx(value, rel=5e-8)
+    for name, value in {"k1": 5013.001684, "k2": 5811.247137, "k3": 9645.795719}.items():
+        assert found[f"{name}_nm_per_rad"] == pytest.approx(value, rel=3e-7)
 
 
 def test_a_ring_without_friction_stands_under_large_displacements(exe, tmp_path):
@@ -565,10 +569,10 @@ def shipped(exe, folder, name, *keys):
 
 
 def test_shipped_drives_are_those_of_the_catalogue(exe, tmp_path):
-    """K1, K2, K3 of sizes 25 and 40 lie within 20 % of the catalogue's and so do K2/K1, K3/K1, and the catalogue's lie in their 95 % bands; no input was
-    fitted to them. Of size 14, which the catalogue makes softer than its size, K3 is four tenths more, above its band. Hysteresis and lost motion
+    """K1, K2, K3 of sizes 25 and 40 lie within 25 and 20 % of the catalogue's and so do K2/K1, K3/K1, and the catalogue's lie in their 95 % bands; no
+    input was fitted to them. Of size 14, which the catalogue makes softer than its size, K3 is three tenths more, above its band. Hysteresis and lost motion
     stay below an arc minute."""
-    for size, of_k, of_ratio in ((14, 0.45, 0.45), (25, 0.2, 0.2), (40, 0.2, 0.2)):
+    for size, of_k, of_ratio in ((14, 0.35, 0.35), (25, 0.25, 0.2), (40, 0.2, 0.2)):
         k, r = shipped(exe, tmp_path / str(size), f"drive{size}", "run.band=auto")
         over = k / UNITS[size].slopes
         low, high = (np.array([r[f"k{i}_nm_per_rad_{end}"] for i in (1, 2, 3)]) / k for end in ("low", "high"))
@@ -588,16 +592,15 @@ def test_bearings_are_as_wide_as_those_of_their_diameter():
 
 
 def test_other_ratios_and_the_hat(exe, tmp_path):
-    """Size 20 lies within 15 % of the catalogue, and ratio 50 over 100 is that of it (0.81, 0.72, 0.79) within 14 %; the silk hat has the cup's K1 and K3
-    within 15 %, its K2 within 35 %; ratios 30 and 160 run."""
+    """Size 20 lies within 18 % of the catalogue, and ratio 50 over 100 is that of it (0.81, 0.72, 0.79) within 10 %; the silk hat has the cup's K1 to K3
+    within 11 %; ratios 30 and 160 run."""
     k, _ = shipped(exe, tmp_path / "100", "drive20")
     half, _ = shipped(exe, tmp_path / "50", "drive20_50")
-    np.testing.assert_allclose(k, UNITS[20].slopes, rtol=0.15)
-    np.testing.assert_allclose(half / k, [13 / 16, 18 / 25, 23 / 29], rtol=0.14)
+    np.testing.assert_allclose(k, UNITS[20].slopes, rtol=0.18)
+    np.testing.assert_allclose(half / k, [13 / 16, 18 / 25, 23 / 29], rtol=0.1)
     cup, _ = shipped(exe, tmp_path / "14", "drive14")
     hat, _ = shipped(exe, tmp_path / "hat", "drive14_hat")
-    np.testing.assert_allclose(hat[::2], cup[::2], rtol=0.15)
-    np.testing.assert_allclose(hat[1], cup[1], rtol=0.35)
+    np.testing.assert_allclose(hat, cup, rtol=0.11)
     for ratio in (30, 160):
         assert shipped(exe, tmp_path / str(ratio), f"drive20_{ratio}")[0].min() > 0
 

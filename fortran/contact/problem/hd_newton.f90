@@ -100,8 +100,9 @@ module hd_newton
   integer, parameter :: most_pairings = 8           !< rounds of a load step in which pairs may still move
   !> share of its first residual, and residual, that a round before the last leaves: what is left moves pairs by a hundredth of it
   real(dp), parameter :: gain = 0.03_dp, loose = 1e-3_dp
-  real(dp), parameter :: sought = 1e-8_dp           !< turn of normals [rad] and way of pairs, over the radius, that is sought in
-  integer, parameter :: few_pairings = 3            !< so many rounds,
+  integer, parameter :: few_pairings = 3            !< rounds in which the turn of normals [rad] and way of pairs, over the radius,
+  real(dp), parameter :: sought = 1e-8_dp           !< may be this, or so many tolerances,
+  real(dp), parameter :: tolerances = 5             !< (K1 to K3 to 3e-7 at 1e-8)
   real(dp), parameter :: bearable = 1e-5_dp         !< and what may be left in more of them;
   real(dp), parameter :: moment_left = 1e-3_dp      !< moment of the pressure by that way, over the torque,
   real(dp), parameter :: rounding_left = 1e-8_dp    !< unless the way over the radius is as short as this
@@ -145,7 +146,8 @@ contains
       if (allocated(before) .and. .not. stay) share = share*sum(before*(before - moved))/ &
         max(sum((before - moved)**2), tiny(1._dp))  ! Aitken's
       sliding = share > 2  ! pairs move on by more than half of their last way
-      stay = pairs_stay(problem, options, state, merge(bearable, sought, sliding .or. k > few_pairings))
+      stay = pairs_stay(problem, options, state, merge(bearable, min(bearable, max(sought, tolerances*options%tolerance)), &
+        sliding .or. k > few_pairings))
       sliding = sliding .and. .not. stay
       if (sliding .or. (stay .and. (more(size(more))%residual <= options%tolerance .or. .not. round%rough))) exit
       if (stay) cycle

@@ -86,7 +86,7 @@ contains
   !> Ways of all flanks, and of their companions, under unit forces, in the order of hd_tooth_flanks [m/N].
   function flank_compliance(scene) result(c)
     type(scene_t), intent(in) :: scene  !< scene with an elastic circular spline
-    real(dp) :: c(flanks_of(scene), flanks_of(scene)), radii(2), teeth
+    real(dp) :: c(flanks_of(scene), flanks_of(scene)), radii(2), teeth, width
     type(spline_ring_t) :: ring
     real(dp) :: theta(scene%tooth_pairs), along(2, 4), way(2, 2), ways(2, 2, scene%tooth_pairs)
     real(dp), allocatable :: given(:)
@@ -94,10 +94,11 @@ contains
     integer :: i, j, k, l, n, apart, half
     radii = scene%spline_radii()
     teeth = radii(1) - scene%w - scene%tooth_circle()
+    width = merge(scene%spline_width, scene%rim_length, scene%spline_width > 0)
     theta = tooth_angles(scene)
     along = flank_directions(scene)
     n = 2*scene%tooth_pairs
-    given = [radii, teeth, scene%rim_length, scene%flexspline_e, scene%flexspline_nu, theta, along]
+    given = [radii, teeth, width, scene%flexspline_e, scene%flexspline_nu, theta, along]
     if (allocated(last_given)) then
       if (size(given) == size(last_given) .and. size(c) == size(last_found)) then
         if (.not. any(abs(given - last_given) > 0)) then
@@ -106,7 +107,7 @@ contains
         end if
       end if
     end if
-    ring = new_spline_ring(radii, teeth, scene%rim_length, scene%flexspline_e, scene%flexspline_nu)
+    ring = new_spline_ring(radii, teeth, width, scene%flexspline_e, scene%flexspline_nu)
     half = scene%tooth_pairs/2
     ways = reshape([(ring_compliance(ring, theta(i) - theta(1)), i=1, scene%tooth_pairs)], shape(ways))
     do j = 1, scene%tooth_pairs

@@ -116,8 +116,8 @@ contains
     call follow('bore_radius', scene%bore_radius, scene%sections_r(1), 'the first radius of the sections')
     call follow('rim_thickness', scene%rim_thickness, scene%sections_thickness(1), &
       'the thickness of the first section')
-    call follow('wall_thickness', scene%wall_thickness, minval(scene%sections_thickness(:n)), &
-      'the least thickness of the sections')
+    call follow('wall_thickness', scene%wall_thickness, minval(scene%sections_thickness(:n), &
+      mask=abs(scene%sections_r(:n) - scene%sections_r(1)) <= near*scene%sections_r(1)), 'the least thickness at the bore')
     call follow('bottom_thickness', scene%bottom_thickness, scene%sections_thickness(n), &
       'the thickness of the last section')
     call follow('hub_radius', scene%hub_radius, last(1), 'the radius of the last section')

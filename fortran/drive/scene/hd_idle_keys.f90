@@ -59,7 +59,7 @@ contains
         is_idle = .not. (s%support%struts .or. s%support%against_teeth .or. s%torque_load == 'teeth')
       case ('tooth_stiffness', 'tooth_gaps', 'tooth_gaps_back', 'tooth_clearance')
         is_idle = .not. (s%support%struts .or. s%support%against_teeth)
-      case ('spline', 'spline_diameter', 'spline_root_diameter')
+      case ('spline', 'spline_diameter', 'spline_root_diameter', 'spline_width')
         is_idle = .not. s%support%struts .or. (key /= 'spline' .and. s%spline == 'rigid')
       end select
     case ('joint')

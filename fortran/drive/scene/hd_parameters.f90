@@ -67,7 +67,7 @@ contains
       'from the opening to the outside of the bottom')
     call tolerate(t, 0.1_dp, 'value', 'estimate')
     call add_real(t, 'geometry', 'bottom_thickness', 'model', s%bottom_thickness, 'm', 0._dp, big, 'bottom of the cup')
-    call tolerate(t, 0.2_dp, 'value', 'estimate')
+    call tolerate(t, 0.3_dp, 'value', "a maker's diaphragms")
     call add_real(t, 'geometry', 'hub_radius', 'model', s%hub_radius, 'm', 0._dp, big, 'radius at which the bottom is held')
     call tolerate(t, 0.05_dp, 'value', 'bolt circle, half a head')
     call add_real(t, 'geometry', 'ring_thickness', 'model', s%ring_thickness, 'm', 0._dp, big, 'outer ring of the flexible bearing')
@@ -207,6 +207,9 @@ contains
       "diameter of the roots of the circular spline's teeth, where its ring begins; 0: a quarter of a module beyond the tips "// &
       'of teeth of 2.25 modules on the long axis', closed=.true.)
     call tolerate(t, 5e-3_dp, 'value', 'half a module of ratio 100')
+    call add_real(t, 'load', 'spline_width', 'model', s%spline_width, 'm', 0._dp, big, &
+      'width of the circular spline; 0: the length of the rim', closed=.true.)
+    call tolerate(t, 0.33_dp, 'value', 'rings of flat gears, length of the rim')
     call add_real(t, 'load', 'tooth_phase', 'assembly', s%tooth_phase, '', -0.5_dp, 0.5_dp, &
       'shift of the tooth pairs round the axis, in pitches; at 0 they lie symmetric about the long axis', closed=.true.)
     call add_real(t, 'load', 'torque', 'load', s%torque, 'N m', -big, big, 'torque at the end of the torque step', closed=.true.)

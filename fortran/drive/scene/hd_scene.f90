@@ -57,7 +57,8 @@ module hd_scene
     character(len=name_length) :: torque_load = 'uniform', spline = 'free'
     real(dp) :: torque = 5, support_stiffness = 100, pressure_angle_deg = 20
     integer :: teeth = 200, tooth_pairs = 40
-    real(dp) :: tooth_stiffness = 1.25e8_dp, tooth_clearance = 0, tooth_friction = 0, spline_diameter = 0, spline_root_diameter = 0
+    real(dp) :: tooth_stiffness = 1.25e8_dp, tooth_clearance = 0, tooth_friction = 0
+    real(dp) :: spline_diameter = 0, spline_root_diameter = 0, spline_width = 0
     real(dp) :: gaps(most_gaps) = 0, gaps_back(most_gaps) = 0
     integer :: gap_count = 1, gap_back_count = 1
     integer :: assembly_steps = 3, torque_steps = 5

@@ -329,7 +329,7 @@ def _glance(scene):
     rows = mm(*(f"geometry.{key}" for key in ("bore_radius", "wall_thickness", "rim_thickness", "rim_length", "cup_length",
                                               "bottom_thickness", "hub_radius", "ring_thickness", "band_length")),
               "wave_generator.w", f"wave_generator.{'clearance' if scene['wave_generator.clearance'] else 'interference'}",
-              "bearing.ball_diameter", "load.spline_diameter")
+              "bearing.ball_diameter", "load.spline_diameter", "load.spline_width")
     rows += [(name, f"{scene[key]:g}") for name, key in (
         ("balls", "bearing.balls"), ("teeth", "load.teeth"), ("pairs in mesh", "load.tooth_pairs"),
         ("friction", "contact.friction"), ("torque / N m", "load.torque")) if scene.get(key)]

@@ -45,7 +45,7 @@ module hd_run
     close_run, leave_model
 
   real(dp), parameter :: at_largest = 1 - 1e-9_dp !< share of the largest torque from which a step has it
-  real(dp), parameter :: rest = 50           !< from a checkpoint to the next, over what writing it took: 2 % of a run
+  real(dp), parameter :: rest = 100          !< from a checkpoint to the next, over what writing it took: 1 % of a run
 
   type, extends(mark_t) :: run_t
     type(scene_t) :: scene

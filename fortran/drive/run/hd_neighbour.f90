@@ -107,6 +107,14 @@ contains
     if (p%key == 'interference') is_real = is_real .and. .not. scene%clearance > 0
   end function is_real
 
+  !> A key of balls, flanks and circular spline, which are set anew on bodies as they are.
+  pure logical function is_of_struts(p, scene) result(is)
+    type(parameter_t), intent(in) :: p   !< row
+    type(scene_t), intent(in) :: scene   !< scene
+    is = scene%support%struts .and. (p%key == 'tooth_stiffness' .or. index(p%key, 'spline') == 1 .or. &
+      (p%group == 'bearing' .and. p%key /= 'groove_depth'))
+  end function is_of_struts
+
   !> The drive with a key changed, upwards if that is valid and can be meshed. What is read at the torque of a step is read on the
   !> side that a larger torque of the steps leaves it on: downwards.
   subroutine change_key(scene, moved, table, row, felt, drive, joint, spare, other, fits, error)
@@ -148,7 +156,7 @@ contains
         law = felt .and. other%rough
         if (law) call scene_joint(moved, other%joint, error, scene, joint)
         if (allocated(error) .or. other%idle) return
-        renewed = p%stage(scene%formed(), .not. scene%hard()) < stage_model
+        renewed = p%stage(scene%formed(), .not. scene%hard()) > stage_model .or. is_of_struts(p, scene)
         if (renewed) then
           if (.not. allocated(spare)) spare = drive
           call move_alloc(spare, other%drive)

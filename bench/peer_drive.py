@@ -38,7 +38,7 @@ def tooth_places():
 
 def flank_equations(points, outside, divisions):
     """Closings of the flanks by displacements in cylindrical dofs: per flank a list of (node, dof, weight)."""
-    rows = flank_weights(points, outside, tooth_places()[0], divisions, RIM_LENGTH, RIM, ARM, 2 * np.pi / divisions)
+    rows = flank_weights(points, outside, tooth_places()[0], divisions, (0, RIM_LENGTH), RIM, ARM, 2 * np.pi / divisions)
     return [[(n, d, f) for n, (push, tilt, shear) in weight.items()
              for d, f in ((1, np.sin(ANGLE) * push + sense * np.cos(ANGLE) * tilt), (2, sense * np.cos(ANGLE) * shear))]
             for weight in rows for sense in (1, -1)]

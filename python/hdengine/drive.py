@@ -33,6 +33,7 @@ WIDTHS = ((30e-3, 21e-6, 9e-6), (50e-3, 25e-6, 11e-6), (80e-3, 30e-6, 13e-6), (1
 # bores of bearings up to [m], mean internal clearance of the normal class across the diameter (ISO 5753-1) [m]
 PLAYS = ((18e-3, 10.5e-6), (30e-3, 12.5e-6), (40e-3, 13e-6), (50e-3, 14.5e-6), (65e-3, 18e-6), (80e-3, 20e-6), (100e-3, 24e-6),
          (120e-3, 28e-6), (140e-3, 33e-6), (160e-3, 35.5e-6))
+TOOTH = 1.4e10    # stiffness of a pair of teeth over the width that touches (ISO 6336) [N/m2]
 DIAPHRAGM = 0.002  # thickness by radius squared, over the pitch diameter cubed (EP 1 628 045: 0.0014 to 0.0026)
 BORE = 24.6e-3   # of the bearing of size 14: 35 mm outside, two rings of 1 mm and a ball of 3.2 mm at either side [m]
 BEARINGS = ((35e-3, 6e-3), (42e-3, 7e-3), (62e-3, 9e-3))    # outer diameters and widths of flexible bearings [m]
@@ -107,15 +108,16 @@ def _scene(size, ratio, hat):
     """Keys of a drive but for the clearances of its teeth, group by group."""
     s, unit, known = size / 14, UNITS[size], KNOWN[size]
     geometry, cup = _bodies(size, ratio, hat)
+    breadth = (geometry["rim_length"] + _width(size, RINGS)) / 2
     groups: dict[str, dict[str, Any]] = {
         "run": {"title": f"whole drive, size {size}, ratio {ratio}" + (", silk hat" if hat else "")},
         "geometry": geometry, "cup": cup, "mesh": {"divisions": 86, "band_facets": 10},
         "wave_generator": {"w": 0.2e-3 * s * 100 / ratio, "cam": "cosine", "clearance": _clearance(2 * geometry["bore_radius"])},
         "bearing": {"balls": 21, "ball_diameter": 3.2e-3 * s, "clearance": _play(BORE * s)}, "contact": {"friction": 0.1},
         "load": {"support": "drive", "torque": known.torque, "torque_steps": 10, "teeth": 2 * ratio,
-                 "tooth_pairs": 2 * round(0.2 * ratio), "pressure_angle_deg": _pressure_angle(ratio), "tooth_stiffness": 1.25e8 * s,
+                 "tooth_pairs": 2 * round(0.2 * ratio), "pressure_angle_deg": _pressure_angle(ratio), "tooth_stiffness": TOOTH * breadth,
                  "spline_diameter": known.spline * 1e-3 or 70e-3 * size / 20,
-                 "spline_width": (geometry["rim_length"] + _width(size, RINGS)) / 2},
+                 "spline_width": breadth},
         "loop": {"torque_1": unit.t1_nm, "torque_2": unit.t2_nm, "rated_torque": rated_torque(size, ratio)}}
     return {group: {key: _rounded(value) for key, value in keys.items()} for group, keys in groups.items()}
 

@@ -151,18 +151,18 @@ def test_a_deck_has_the_friction_of_the_flanks(tmp_path):
 def test_a_pair_of_teeth_loads_the_nodes_beside_it():
     """The load of a pair lies on the two meridians beside its place, its middle at that place and at half of the loaded length; the moment of one along
     the rim is the arm, of which its radial forces hold what the teeth stand over the rim."""
-    divisions, radius, long, arm, apart = 12, 0.02, 1.5e-3, 0.03, 0.5
+    divisions, radius, ends, arm, apart = 12, 0.02, (0.3e-3, 1.5e-3), 0.03, 0.5
     angle, z = (grid.ravel() for grid in np.meshgrid(2 * np.pi * np.arange(divisions) / divisions, [0, 1e-3, 2e-3]))
     points = np.stack([radius * np.cos(angle), radius * np.sin(angle), z], 1)
     places = np.array([0.0, 0.3, 2.0, 4.5, 6.2, -0.1])
-    for place, weights in zip(places, flank_weights(points, np.arange(len(points)), places, divisions, long, radius, arm, apart)):
+    for place, weights in zip(places, flank_weights(points, np.arange(len(points)), places, divisions, ends, radius, arm, apart)):
         nodes, (weight, tilt, shear) = np.array([*weights]), np.array([*weights.values()]).T
         off = (angle[nodes] - place + np.pi) % (2 * np.pi) - np.pi
         assert shear.sum() * radius == pytest.approx(arm) and tilt.sum() == pytest.approx(0, abs=1e-12)
         assert tilt @ off * radius == pytest.approx(radius - arm)  # as the way of a point on the tooth, which rises where the rim falls
         nodes, off, weight = nodes[weight > 0], off[weight > 0], weight[weight > 0]
         assert abs(off).max() < 2 * np.pi / divisions and weight @ off == pytest.approx(0, abs=1e-12)
-        assert weight @ z[nodes] == pytest.approx(weight.sum() * long / 2) and weight.sum() == pytest.approx(1)
+        assert weight @ z[nodes] == pytest.approx(weight.sum() * sum(ends) / 2) and weight.sum() == pytest.approx(1)
 
 
 def test_slanted_sides_look_outwards_by_their_cosine():

@@ -25,7 +25,7 @@ contains
     force = 0
     do s = 0, scene%divisions - 1
       do g = 1, 2
-        call add_rim_line(scene, body, face, s + (1 + gauss(g))/2, 1._dp, force(2, :))
+        call add_rim_line(body, face, s + (1 + gauss(g))/2, 1._dp, [0._dp, scene%rim_length], force(2, :))
       end do
     end do
     force = force/axial_moment(body, force)
@@ -71,10 +71,11 @@ contains
     integer, intent(in) :: nodes(:)              !< as rim_nodes
     real(dp), intent(in) :: turn                 !< place of the tooth [turns]
     real(dp), intent(inout) :: outwards(:, :), along(:, :)  !< forces (3, nodes), set on the rim alone
-    real(dp) :: rim, arm, apart
+    real(dp) :: rim, arm, apart, ends(2)
     rim = scene%bore_radius + scene%rim_thickness
     arm = scene%tooth_circle() - rim
     apart = 1._dp/min(body%sectors, scene%teeth)
+    ends = scene%tooth_ends()
     outwards(:, nodes) = 0
     along(:, nodes) = 0
     call add_tooth(scene, body, face, turn, along(2, :))
@@ -83,18 +84,18 @@ contains
     call add_tooth(scene, body, face, turn - apart/2, along(1, :))
     along(1, nodes) = -along(1, nodes)
     call add_tooth(scene, body, face, turn + apart/2, along(1, :))
-    along(1, nodes) = -along(1, nodes)*(sum(outwards(1, nodes))/scene%rim_length*arm/rim/(2*pi*apart))
+    along(1, nodes) = -along(1, nodes)*(sum(outwards(1, nodes))/(ends(2) - ends(1))*arm/rim/(2*pi*apart))
     along(2, nodes) = along(2, nodes)*(1 + arm/rim)
   end subroutine force_tooth
 
-  !> Add the nodal weights of a tooth: an even load along the rim, over one pitch of the teeth round the axis, or one facet if that
+  !> Add the nodal weights of a tooth: an even load along what of the rim it touches, over one pitch of the teeth round the axis, or one facet if that
   !> is longer. So no pair is stiffer for standing on a meridian of the mesh.
   pure subroutine add_tooth(scene, body, face, turn, weight)
     type(scene_t), intent(in) :: scene  !< where the rim ends, teeth
     type(body_t), intent(in) :: body    !< flexspline
     type(face_t), intent(in) :: face    !< outside of the rim, axial facets first, then round the axis
     real(dp), intent(in) :: turn         !< place of its middle [turns]
-    real(dp), intent(inout) :: weight(:) !< of the body's nodes; their sum grows by the length of the rim [m]
+    real(dp), intent(inout) :: weight(:) !< of the body's nodes; their sum grows by the length that is loaded [m]
     real(dp) :: from, to, low, high, width
     integer :: sector, g
     width = max(1._dp, real(body%sectors, dp)/scene%teeth)
@@ -105,33 +106,34 @@ contains
       high = min(to, real(sector + 1, dp))
       if (.not. high > low) cycle
       do g = 1, 2
-        call add_rim_line(scene, body, face, low + (high - low)*(1 + gauss(g))/2, (high - low)/(2*width), weight)
+        call add_rim_line(body, face, low + (high - low)*(1 + gauss(g))/2, (high - low)/(2*width), scene%tooth_ends(), weight)
       end do
     end do
   end subroutine add_tooth
 
-  !> Add the nodal weights of an even load along one meridian of the rim, from the opening to where the rim ends.
-  pure subroutine add_rim_line(scene, body, face, place, amount, weight)
-    type(scene_t), intent(in) :: scene  !< where the rim ends
+  !> Add the nodal weights of an even load along one meridian of the rim.
+  pure subroutine add_rim_line(body, face, place, amount, ends, weight)
     type(body_t), intent(in) :: body    !< flexspline
     type(face_t), intent(in) :: face    !< outside of the rim, axial facets first, then round the axis
     real(dp), intent(in) :: place        !< meridian, in sectors from theta = 0
     real(dp), intent(in) :: amount       !< factor
-    real(dp), intent(inout) :: weight(:) !< of the body's nodes; their sum grows by amount times the length of the rim [m]
+    real(dp), intent(in) :: ends(2)      !< where the load begins and ends, from the opening [m]
+    real(dp), intent(inout) :: weight(:) !< of the body's nodes; their sum grows by amount times the length that is loaded [m]
     real(dp), parameter :: rounding = 1e-9_dp  !< of a place that stands on the border of two sectors
-    real(dp) :: z(2), part, xi(2), n(8)
+    real(dp) :: z(2), part(2), xi(2), n(8)
     integer :: sector, rows, f, g
     rows = size(face%nodes, 2)/body%sectors
     sector = floor(place + rounding)
     xi(1) = 2*(place - sector) - 1
     do f = rows*modulo(sector, body%sectors) + 1, rows*modulo(sector, body%sectors) + rows
       z = face%chart(2, [1, 4], f)
-      part = min((scene%rim_length - z(1))/(z(2) - z(1)), 1._dp)
+      part = min(max((ends - z(1))/(z(2) - z(1)), 0._dp), 1._dp)
+      if (.not. part(2) > part(1)) cycle
       do g = 1, 2
-        xi(2) = part*(1 + gauss(g)) - 1
+        xi(2) = 2*part(1) + (part(2) - part(1))*(1 + gauss(g)) - 1
         associate (list => face%nodes(:, f))
           call shape_facet(size(list), xi, n)
-          weight(list) = weight(list) + amount*n(:size(list))*part*(z(2) - z(1))/2
+          weight(list) = weight(list) + amount*n(:size(list))*(part(2) - part(1))*(z(2) - z(1))/2
         end associate
       end do
     end do

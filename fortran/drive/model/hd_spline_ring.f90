@@ -94,7 +94,7 @@ contains
     integer :: i, j, k, l, n, apart, half
     radii = scene%spline_radii()
     teeth = radii(1) - scene%w - scene%tooth_circle()
-    width = merge(scene%spline_width, scene%rim_length, scene%spline_width > 0)
+    width = scene%spline_breadth()
     theta = tooth_angles(scene)
     along = flank_directions(scene)
     n = 2*scene%tooth_pairs

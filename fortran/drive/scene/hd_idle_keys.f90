@@ -55,11 +55,11 @@ contains
       is_idle = index(key, 'friction') > 0 .and. (s%bonded() .or. s%frictionless())
     case ('load')
       select case (key)
-      case ('teeth', 'tooth_pairs', 'pressure_angle_deg')
+      case ('teeth', 'tooth_pairs', 'pressure_angle_deg', 'spline_width')
         is_idle = .not. (s%support%struts .or. s%support%against_teeth .or. s%torque_load == 'teeth')
       case ('tooth_stiffness', 'tooth_gaps', 'tooth_gaps_back', 'tooth_clearance')
         is_idle = .not. (s%support%struts .or. s%support%against_teeth)
-      case ('spline', 'spline_diameter', 'spline_root_diameter', 'spline_width')
+      case ('spline', 'spline_diameter', 'spline_root_diameter')
         is_idle = .not. s%support%struts .or. (key /= 'spline' .and. s%spline == 'rigid')
       end select
     case ('joint')

@@ -184,7 +184,7 @@ contains
       'pressure angle of the teeth: the radial force, inward, is the tangential one times its tangent', closed=.true.)
     call tolerate(t, 3._dp, '', 'estimate')
     call add_real(t, 'load', 'tooth_stiffness', 'model', s%tooth_stiffness, 'N/m', 0._dp, big, &
-      'stiffness of a pair of teeth along its normal; the default is 14 N/(mm um) times the length of the rim')
+      'stiffness of a pair of teeth along its normal; the default is 14 N/(mm um) times a width of 9 mm')
     call tolerate(t, 0.3_dp, 'value', 'spread of ISO 6336 figures')
     call add_reals(t, 'load', 'tooth_gaps', 'load', s%gaps, 'm', 0._dp, big, &
       'clearance of every pair at one end of the long axis, or at both, in the order of teeth.csv at tooth_phase 0, linear '// &
@@ -208,7 +208,7 @@ contains
       'of teeth of 2.25 modules on the long axis', closed=.true.)
     call tolerate(t, 5e-3_dp, 'value', 'half a module of ratio 100')
     call add_real(t, 'load', 'spline_width', 'model', s%spline_width, 'm', 0._dp, big, &
-      'width of the circular spline; 0: the length of the rim', closed=.true.)
+      'width of the circular spline, amid the rim, over which teeth touch; 0: the length of the rim', closed=.true.)
     call tolerate(t, 0.33_dp, 'value', 'rings of flat gears, length of the rim')
     call add_real(t, 'load', 'tooth_phase', 'assembly', s%tooth_phase, '', -0.5_dp, 0.5_dp, &
       'shift of the tooth pairs round the axis, in pitches; at 0 they lie symmetric about the long axis', closed=.true.)

@@ -122,6 +122,8 @@ module hd_scene
     procedure :: may_factorise
     procedure :: spline_radii
     procedure :: tooth_circle
+    procedure :: spline_breadth
+    procedure :: tooth_ends
     procedure :: may_harmonics
     procedure :: most_images
   end type scene_t
@@ -147,6 +149,19 @@ contains
     spline = self%spline_radii()
     r = (self%bore_radius + self%wall_thickness + spline(1) - self%w)/2
   end function tooth_circle
+
+  !> Width of the circular spline: that of the rim unless given [m].
+  pure real(dp) function spline_breadth(self) result(width)
+    class(scene_t), intent(in) :: self  !< scene
+    width = merge(self%spline_width, self%rim_length, self%spline_width > 0)
+  end function spline_breadth
+
+  !> Places along the axis between which teeth touch: the width of the circular spline, amid the rim [m].
+  pure function tooth_ends(self) result(z)
+    class(scene_t), intent(in) :: self  !< scene
+    real(dp) :: z(2)
+    z = (self%rim_length + [-1, 1]*min(self%spline_breadth(), self%rim_length))/2
+  end function tooth_ends
 
   !> The faces do not part and do not slip.
   pure logical function bonded(self)

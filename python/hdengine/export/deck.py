@@ -12,6 +12,7 @@ import numpy as np
 from .._check import input_file, package
 from .._engine import FileError, HdengineError, supported
 from ..results import Result
+from ..teeth.rim_shape import row_weights, tooth_ends
 from .cards import SIDES, body_cards, contact_cards, equation_cards, node_cards, set_cards, strut_cards, surface_cards
 
 __all__: list[str] = []
@@ -69,9 +70,9 @@ class _Mesh:
         return np.flatnonzero(chosen)
 
 
-def flank_weights(points: np.ndarray, outside: np.ndarray, theta: np.ndarray, divisions: int, rim_length: float,
+def flank_weights(points: np.ndarray, outside: np.ndarray, theta: np.ndarray, divisions: int, ends: tuple[float, float],
                   rim: float, arm: float, apart: float) -> list:
-    """Share of each node in the load of each pair of teeth: even along the rim, linear between meridians.
+    """Share of each node in the load of each pair of teeth: even over what touches, linear between meridians.
 
     Parameters
     ----------
@@ -82,9 +83,10 @@ def flank_weights(points: np.ndarray, outside: np.ndarray, theta: np.ndarray, di
         Places of the pairs [rad].
     divisions : int
         Meridians of the mesh.
-    rim_length, rim, arm : float
-        Loaded length from the opening; radius of the rim's outside; of the circle amid the teeth, where the forces act. In the unit
-        of the points.
+    ends : (float, float)
+        Where the loaded length begins and ends, from the opening, in the unit of the points.
+    rim, arm : float
+        Radius of the rim's outside; of the circle amid the teeth, where the forces act. In the same unit.
     apart : float
         Angle on either half of which the arm of a force over the rim presses, and lifts [rad].
 
@@ -97,12 +99,7 @@ def flank_weights(points: np.ndarray, outside: np.ndarray, theta: np.ndarray, di
     sector = np.round(np.arctan2(points[:, 1], points[:, 0]) / (2 * np.pi) * divisions).astype(int) % divisions
     scale = np.ptp(z[outside])
     heights = np.unique(np.round(z[outside] / scale, 9)) * scale
-    along = np.zeros(len(heights))
-    for i in range(len(heights) - 1):
-        whole = heights[i + 1] - heights[i]
-        part = np.clip((rim_length - heights[i]) / whole, 0, 1)
-        along[i] += whole * (part - part**2 / 2)
-        along[i + 1] += whole * part**2 / 2
+    along = row_weights(heights, ends)
 
     def line(angle):
         place = (angle / (2 * np.pi) % 1) * divisions
@@ -152,7 +149,7 @@ def _rim_forces(run, mesh, step):
         pairs = []
     if pairs:
         rows = flank_weights(points, np.unique(mesh.sides[rim]), np.array([p[0] for p in pairs]), scene["mesh.divisions"],
-                             scene["geometry.rim_length"], outside, arm,
+                             tooth_ends(scene), outside, arm,
                              2 * np.pi / min(scene["mesh.divisions"], scene["load.teeth"]))
         for (_, force, rub, flank), row in zip(pairs, rows):
             inwards = force * np.sin(alpha) + rub * np.cos(alpha)

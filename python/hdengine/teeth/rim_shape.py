@@ -18,6 +18,33 @@ __all__: list[str] = []
 ON = 1e-6   # of the radius, by which nodes lie on a surface
 
 
+def tooth_ends(scene: dict) -> tuple[float, float]:
+    """Places along the axis between which teeth touch: the width of the circular spline, amid the rim [m]."""
+    rim, width = scene["geometry.rim_length"], scene["load.spline_width"]
+    half = min(width, rim) / 2 if width > 0 else rim / 2
+    return rim / 2 - half, rim / 2 + half
+
+
+def row_weights(heights: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
+    """Integrals over a length of the axis of the functions that are 1 on one row of nodes and fall linearly to 0 on the next.
+
+    Parameters
+    ----------
+    heights : ndarray (rows,)
+        Rising places of the rows.
+    ends : (float, float)
+        Where the length begins and ends, in the unit of the heights.
+
+    Returns
+    -------
+    ndarray (rows,)
+        Their sum is the length.
+    """
+    z = np.clip(np.union1d(heights, ends), *ends)
+    shape = np.array([np.interp(z, heights, row) for row in np.eye(len(heights))])
+    return (shape[:, 1:] + shape[:, :-1]) / 2 @ np.diff(z)
+
+
 def read_grid(path: PathLike, *names: str) -> dict:
     """Arrays and numbers of a grid that the engine wrote.
 
@@ -106,7 +133,7 @@ class RimShape:
 
     @classmethod
     def _of(cls, points, moved, scene, more) -> Any:
-        """Nodes of the rim's outside: rows along the axis count by their share of its length."""
+        """Mean over what of the rim's outside touches the teeth."""
         radius = scene["geometry.bore_radius"] + scene["geometry.rim_thickness"]
         r, turn = np.hypot(points[:, 0], points[:, 1]), np.arctan2(points[:, 1], points[:, 0]) % (2 * np.pi)
         on = np.flatnonzero((abs(r - radius) < ON * radius) & (points[:, 2] <= scene["geometry.rim_length"] * (1 + ROUNDING)))
@@ -118,8 +145,8 @@ class RimShape:
             raise InputError(f"the rim of the run has {len(on)} nodes on {len(heights)} rows of {sectors} at {radius:.6g} m: must "
                              "be whole rows of a pressed cup (wave_generator.shape = 'pressed')")
         row = np.searchsorted(heights, points[on, 2] - ROUNDING)
-        edges = np.concatenate([heights[:1], (heights[:-1] + heights[1:]) / 2, heights[-1:]])
-        share = (np.diff(edges) / np.ptp(heights))[row]
+        share = row_weights(heights, tooth_ends(scene))
+        share = (share / share.sum())[row]
         c, s = np.cos(turn[on]), np.sin(turn[on])
         u = moved[on]
         mean = [np.bincount(step, share * part, sectors) for part in (c * u[:, 0] + s * u[:, 1], c * u[:, 1] - s * u[:, 0])]

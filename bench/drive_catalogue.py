@@ -65,7 +65,8 @@ CLOSING = (("14", "mesh 160 x 20", FINE), ("20", "mesh 160 x 20", FINE), ("20", 
            ("20", "friction of the flanks 0.1", {"load.tooth_friction": 0.1}), ("14", "loop to 14 N m", {"load.torque": 14}),
            *((name, f"spline {w} mm wide", {"load.spline_width": 1e-3 * w}) for name, w in (("14", 5), ("14", 9), ("20", 6), ("20", 12.9))),
            ("14_hat", "flange 0.36 mm thick", {"cup.sections_thickness": "0.427e-3, 0.427e-3, 0.36e-3, 0.36e-3, 0.36e-3, 0.36e-3, 0.36e-3"}),
-           ("20_30", "spline of 66 mm", {"load.spline_diameter": 0.066}), ("20_50", "clearance 18 µm", fit(18)), ("20_160", "clearance 0 µm", fit(0)),
+           ("20_30", "spline of 66 mm", {"load.spline_diameter": 0.066}), ("17", "clearance 4.5 µm", fit(4.5)), ("20", "clearance 4.5 µm", fit(4.5)),
+           ("20_50", "clearance 18 µm", fit(18)), ("20_160", "clearance 0 µm", fit(0)),
            *((name, "ring held fast", {"bearing.axial_hold": "fast"}) for name in ("14", "20", "25")))
 
 
@@ -128,8 +129,9 @@ def kin():
 
 
 def history():
-    """K1 to K3 after each history."""
-    return [{"drive": name, "history": h} | run(name, {"loop.history": h})[0] for name in ("20",) for h in ("loop", "assembled", "turned")]
+    """K1 to K3 of size 20 after each history, and of two more after a turn."""
+    cases = *(("20", h) for h in ("loop", "assembled", "turned")), ("17", "turned"), ("20_50", "turned")
+    return [{"drive": name, "history": h} | run(name, {"loop.history": h})[0] for name, h in cases]
 
 
 @styled

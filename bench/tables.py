@@ -257,7 +257,7 @@ def drive_history():
 
 
 def premises():
-    """Trends of the paper by premise, in both readings of K_TS: plain drives and cups, fine meshes, and all that give two trends; then counts."""
+    """Trends of the paper by premise, in both readings of K_TS: plain drives and cups, and all that give two trends; then counts."""
     from paper_comparison import GROUPS, READINGS
 
     def shown(found):
@@ -266,7 +266,7 @@ def premises():
     record = read_record("paper_comparison")
     rows = [r for group in GROUPS for r in record[group]]
     out = [(r["premise"].replace("clearance -10", "interference 10"), " / ".join("-" if v is None else digits(v / 1e3, 3) for v in r["bonded_nm_per_rad"]), *shown(r["bonded"]), *shown(r["eq45"]))
-           for r in rows if r["premise"].startswith(("fine", "teeth")) or r["premise"].startswith(("drive", "cup")) and r["premise"].count(",") == 1
+           for r in rows if r["premise"].startswith(("drive", "cup")) and r["premise"].count(",") == 1
            or any(len(r[reading]["trends"].split()) > 1 for reading in READINGS)]
     counts = {reading: ", ".join(f"{name[0].upper()} {sum(name in r[reading]['trends'].split() for r in rows)}" for name in ("torque", "eccentricity", "w"))
               for reading in READINGS}

@@ -105,7 +105,7 @@ def test_friction_of_the_flanks_heats_and_leaves_hysteresis(exe, tmp_path):
     """Hysteresis is the width at T = 0, where play leaves no flank under force: their friction takes energy and leaves the width."""
     without, some, much = (loop(exe, tmp_path / "run", f"load.tooth_friction={mu}") for mu in (0, 0.1, 0.2))
     assert 0 == without["loop_dissipated_teeth_j"] < some["loop_dissipated_teeth_j"] < 0.9 * much["loop_dissipated_teeth_j"]
-    assert much["hysteresis_rad"] == pytest.approx(without["hysteresis_rad"], rel=0.03)
+    assert much["hysteresis_rad"] == pytest.approx(without["hysteresis_rad"], rel=0.04)
     teeth = read_csv(Path(tmp_path / "run/teeth.csv"))
     rest = abs(teeth["torque_nm"]) < 1e-9
     assert teeth["force_n"][rest].max() < 1e-2 * teeth["force_n"].max()

@@ -224,7 +224,7 @@ def test_grid_is_what_meshio_reads(assembled):
 
 
 def test_rim_of_a_run(assembled):
-    """Points of a run's rim are the places of its nodes, mean over its length, w^2/R = 2.26 um nearer on the long axis, which a ring that keeps its
+    """Points of a run's rim are the places of its nodes, mean over its length or the width of the circular spline amid it, w^2/R = 2.26 um nearer on the long axis, which a ring that keeps its
     length is and small displacements are not; the normal is right on a shape known in closed form."""
     rim = Rim.read(assembled)
     grid = read_grid(next(assembled.glob("bodies_*.vtu")), "Points", "displacement_m")
@@ -234,6 +234,9 @@ def test_rim_of_a_run(assembled):
     mean = (np.diff(x[on, 2][order])[:, None] * (u[on][order][1:] + u[on][order][:-1]) / 2).sum(axis=0) / np.ptp(x[on, 2])
     nearer = 0.2e-3**2 / (17.5e-3 + rim.scene["geometry.rim_thickness"] / 2)
     np.testing.assert_allclose(rim.poses(np.zeros(1))[0][:, 0], [rim.radius + mean[0] - nearer, mean[1]], rtol=0, atol=5e-9)
+    narrow = RimShape.read(assembled, rim.scene | {"load.spline_width": 4e-3}).poses(np.zeros(1))[0][0, 0]
+    amid = np.interp(np.linspace(2.5e-3, 6.5e-3, 4001), x[on, 2][order], u[on][order][:, 0]).mean()
+    assert narrow == pytest.approx(rim.radius + amid, rel=0, abs=1e-9)
     w, r, t = 1e-3, 18e-3, np.linspace(0, 6, 30)
     shape = RimShape(r, np.array([[0, 0, w / 2], [0, 0, 0]], complex))     # r + w cos 2t
     points, normals = shape.poses(t)

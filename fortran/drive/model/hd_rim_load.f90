@@ -88,8 +88,8 @@ contains
     along(2, nodes) = along(2, nodes)*(1 + arm/rim)
   end subroutine force_tooth
 
-  !> Add the nodal weights of a tooth: an even load along what of the rim it touches, over one pitch of the teeth round the axis, or one facet if that
-  !> is longer. So no pair is stiffer for standing on a meridian of the mesh.
+  !> Add the nodal weights of a tooth: an even load along what of the rim it touches, over one pitch of the teeth round the axis, or
+  !> one facet if that is longer. So no pair is stiffer for standing on a meridian of the mesh.
   pure subroutine add_tooth(scene, body, face, turn, weight)
     type(scene_t), intent(in) :: scene  !< where the rim ends, teeth
     type(body_t), intent(in) :: body    !< flexspline

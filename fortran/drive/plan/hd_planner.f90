@@ -177,13 +177,14 @@ contains
     end where
   end subroutine correct
 
-  !> The simplest wave generator that keeps half the tolerance: rigid, or one even spring as stiff as all balls, or the balls.
+  !> The simplest wave generator that keeps half the tolerance: rigid, or one even spring as stiff as all balls, or the balls. What
+  !> the spring cannot stand for, a rigid one cannot: it is not tried.
   subroutine choose_wave_generator(trials, plan, error)
     type(trial_runs_t), intent(inout) :: trials       !< runs
     type(plan_t), intent(inout) :: plan               !< gets its wave generator
     type(error_t), allocatable, intent(out) :: error  !< whatever ended a run early
     type(scene_t) :: s
-    real(dp) :: balls_q(values), q(values), change(promises), stiffness
+    real(dp) :: balls_q(values), q(values), change(promises), simpler(promises), stiffness
     character(len=:), allocatable :: text
     integer :: i
     if (plan%scene%balls == 0 .or. plan%scene%bearing_model == 'given' .or. plan%scene%large()) then
@@ -197,25 +198,26 @@ contains
     s%balls = 0
     s%groove_depth = 0
     text = ''
+    simpler = 0
     do i = 1, 2
-      s%ball_stiffness = merge(0._dp, stiffness, i == 1)
+      s%ball_stiffness = merge(stiffness, 0._dp, i == 1)
       call trials%try(s, q, error)
       if (allocated(error)) then
         if (error%code /= code_not_converged) return
         deallocate (error)
-        cycle
+        exit
       end if
       change = relative(s, q - balls_q, q)
       if (len(text) > 0) text = text//', '
-      text = text//trim(merge('a rigid one changes    ', 'an even spring changes ', i == 1))//' '//worst(plan, change, 'by')
-      if (maxval(change, mask=wanted_of(s)) > half*plan%scene%planned_tolerance) cycle
+      text = text//trim(merge('an even spring changes ', 'a rigid one changes    ', i == 1))//' '//worst(plan, change, 'by')
+      if (maxval(change, mask=wanted_of(s)) > half*plan%scene%planned_tolerance) exit
       plan%scene%balls = 0
       plan%scene%groove_depth = 0
       plan%scene%ball_stiffness = s%ball_stiffness
-      plan%simpler = hypot(plan%simpler, change)
-      exit
+      simpler = change
     end do
-    if (len(text) == 0) text = 'no simpler one converges'
+    plan%simpler = hypot(plan%simpler, simpler)
+    if (len(text) == 0) text = 'an even spring does not converge'
     call note(plan, 'wave generator '//trim(merge('on its balls', merge('even spring ', 'rigid       ', &
       plan%scene%ball_stiffness > 0), plan%scene%balls > 0))//': '//text//'; half the tolerance is '// &
       percent(half*plan%scene%planned_tolerance))

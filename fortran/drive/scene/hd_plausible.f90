@@ -47,7 +47,7 @@ module hd_plausible
     usual_t('fatigue.fatigue_limit', 1e7_dp, 2e9_dp), usual_t('load.pressure_angle_deg', 5._dp, 50._dp), &
     usual_t('load.tooth_gaps', 1e-8_dp, 1e-3_dp), usual_t('load.tooth_gaps_back', 1e-8_dp, 1e-3_dp), &
     usual_t('wave_generator.eccentricity', 1e-7_dp, 2e-4_dp), usual_t('contact.friction', 5e-3_dp, 0.6_dp), &
-    usual_t('load.tooth_stiffness', 1e6_dp, 1e11_dp), &
+    usual_t('load.tooth_stiffness', 1e6_dp, 3e10_dp), &
     usual_t('load.tooth_clearance', 1e-8_dp, 1e-4_dp), usual_t('load.spline_diameter', 0.02_dp, 0.5_dp), &
     usual_t('load.spline_root_diameter', 0.01_dp, 0.4_dp), usual_t('load.spline_width', 1e-3_dp, 0.1_dp), &
     usual_t('joint.roughness', 1e-16_dp, 1e-6_dp), &

@@ -145,7 +145,8 @@ class RimShape:
             raise InputError(f"the rim of the run has {len(on)} nodes on {len(heights)} rows of {sectors} at {radius:.6g} m: must "
                              "be whole rows of a pressed cup (wave_generator.shape = 'pressed')")
         row = np.searchsorted(heights, points[on, 2] - ROUNDING)
-        share = row_weights(heights, tooth_ends(scene))
+        low, high = tooth_ends(scene)
+        share = row_weights(heights, (low, min(high, heights[-1])))    # the rim may end within a facet
         share = (share / share.sum())[row]
         c, s = np.cos(turn[on]), np.sin(turn[on])
         u = moved[on]

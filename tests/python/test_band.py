@@ -36,6 +36,19 @@ def banded(folder):
     return json.loads((folder / "summary.json").read_text())["results"]
 
 
+@pytest.fixture(scope="module")
+def quick(exe, tmp_path_factory):
+    """Folder of the run whose band comes from derivatives and few runs, as by default."""
+    out = tmp_path_factory.mktemp("quick") / "a"
+    solve(exe, out)
+    return out
+
+
+@pytest.fixture(scope="module")
+def quickly(quick):
+    return json.loads((quick / "summary.json").read_text())["results"]
+
+
 def test_band_holds_its_value(banded):
     """Every result that has a band lies in it; the shares of the inputs add up to 1, the largest first."""
     for key in KEYS:
@@ -98,19 +111,11 @@ def test_band_is_that_of_runs_at_the_ends(exe, banded, tmp_path):
     assert banded["band_shares"] == pytest.approx({key: value / sum(part.values()) for key, value in part.items()}, rel=1e-2, abs=1e-5)
 
 
-def test_half_loops_and_derivatives_make_the_same_band(exe, banded, tmp_path):
-    """With run.band = auto, loops that end at the opposite torque and derivatives, the ends of K1 to K3 are those of whole loops within 5 %."""
-    quick = solve(exe, tmp_path / "a", "run.band=auto")
-    for name in KEYS[:3]:
-        ends = [[np.log(found[name + end] / found[name]) for end in ("_low", "_high")] for found in (quick, banded)]
-        assert ends[0] == pytest.approx(ends[1], abs=0.05), name
-
-
 def test_a_hats_walls_have_a_tolerance(exe, tmp_path):
     """The thicknesses of all sections move together by a tenth, and what that adds to the variance of ln K2 is what runs say; no wall, rim or bottom
     of a hat had a part in its band."""
     def hat(name, *keys):
-        return solved(exe, tmp_path / name, ROOT / "data/drive14_hat.nml", *MESH, *keys).summary["results"]
+        return solved(exe, tmp_path / name, ROOT / "data/drive14_hat.nml", *MESH, "mesh.divisions=16", "mesh.band_facets=3", *keys).summary["results"]
 
     key, found = "cup.sections_thickness", hat("a", "run.band=.true.")
     walls = hdengine.read_scene(ROOT / "data/drive14_hat.nml")[key]
@@ -128,10 +133,10 @@ def test_band_leaves_the_run_as_it_is(exe, folder, banded, tmp_path):
     assert set(banded) - set(alone) == {k + end for k in KEYS for end in ("_low", "_high")} | {"band_shares"}
 
 
-def test_stopped_band_is_found_by_a_resumed_run(exe, banded, tmp_path):
+def test_stopped_band_is_found_by_a_resumed_run(exe, quickly, tmp_path):
     """A signal ends the band in order; --resume solves no load step again and finds it; a complete run has nothing to do."""
     out = tmp_path / "c"
-    keys = [exe, ROOT / "data/drive14.nml", *MESH, "run.band=.true.", "--out", out]
+    keys = [exe, ROOT / "data/drive14.nml", *MESH, "--out", out]
     process = subprocess.Popen(keys, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert any(line.startswith("band ") and process.send_signal(signal.SIGTERM) is None for line in process.stdout)
     _, message = process.communicate()
@@ -142,18 +147,18 @@ def test_stopped_band_is_found_by_a_resumed_run(exe, banded, tmp_path):
     assert done.returncode == 0 and not re.search(r"^ *\d+ torque", done.stdout, re.M), done.stdout
     after = json.loads((out / "summary.json").read_text())["results"]
     assert {k: after[k] for k in after if k[-4:] in ("_low", "high")} == pytest.approx(
-        {k: banded[k] for k in banded if k[-4:] in ("_low", "high")}, rel=1e-6)
+        {k: quickly[k] for k in quickly if k[-4:] in ("_low", "high")}, rel=1e-6)
     assert "nothing to do" in call(*keys, "--resume").stdout
 
 
-def test_quick_band_is_that_of_all_runs(exe, banded, tmp_path):
-    """By default small tolerances count by derivatives: the ends of K1 to K3, hysteresis and lost motion are those of runs, to a tenth of the band."""
-    quick = solve(exe, tmp_path / "quick")
-    for key in KEYS[:5]:
+def test_quick_band_is_that_of_all_runs(banded, quickly):
+    """By default small tolerances count by derivatives and loops end at the opposite torque: the ends of K1 to K3 are those of whole loops within 5 %,
+    those of hysteresis and lost motion too to a tenth of the band."""
+    for i, key in enumerate(KEYS[:5]):
         low, high = (np.log(banded[key + end] / banded[key]) for end in ("_low", "_high"))
-        found = [np.log(quick[key + end] / quick[key]) for end in ("_low", "_high")]
-        assert found == pytest.approx([low, high], abs=0.1 * (high - low)), key
-    assert not any(f"{key}_low" in quick for key in KEYS[5:]) and set(quick["band_shares"]) == set(banded["band_shares"])
+        found = [np.log(quickly[key + end] / quickly[key]) for end in ("_low", "_high")]
+        assert found == pytest.approx([low, high], abs=min(0.1 * (high - low), 0.05 if i < 3 else np.inf)), key
+    assert not any(f"{key}_low" in quickly for key in KEYS[5:]) and set(quickly["band_shares"]) == set(banded["band_shares"])
 
 
 def test_drives_drawn_by_the_tolerances_lie_in_the_band(exe, tmp_path):

@@ -116,8 +116,8 @@ def _scene(size, ratio, hat):
         "bearing": {"balls": 21, "ball_diameter": 3.2e-3 * s, "clearance": _play(BORE * s)}, "contact": {"friction": 0.1},
         "load": {"support": "drive", "torque": known.torque, "torque_steps": 10, "teeth": 2 * ratio,
                  "tooth_pairs": 2 * round(0.2 * ratio), "pressure_angle_deg": _pressure_angle(ratio),
-                 "tooth_stiffness": TOOTH * breadth, "spline_width": breadth,
-                 "spline_diameter": known.spline * 1e-3 or 70e-3 * size / 20},
+                 "tooth_stiffness": TOOTH * breadth,
+                 "spline_diameter": known.spline * 1e-3 or 70e-3 * size / 20, "spline_width": breadth},
         "loop": {"torque_1": unit.t1_nm, "torque_2": unit.t2_nm, "rated_torque": rated_torque(size, ratio)}}
     return {group: {key: _rounded(value) for key, value in keys.items()} for group, keys in groups.items()}
 

@@ -1,19 +1,30 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> The circular spline as an elastic ring.
+!> The circular spline as an elastic ring, and the width over which its teeth push.
 module test_spline_ring
   use hd_kinds, only: dp, pi
+  use hd_body, only: axial_moment, body_t
   use hd_check, only: check, check_close
+  use hd_face, only: face_t
+  use hd_hexahedron, only: hex8i
+  use hd_rim_load, only: force_tooth, rim_nodes
+  use hd_scene, only: scene_t
   use hd_spline_ring, only: spline_ring_t, new_spline_ring, ring_compliance
+  use hd_test_bodies, only: two_rings
   implicit none
   private
   public :: run_spline_ring
 
 contains
 
+  subroutine run_spline_ring()
+    call ring_under_forces()
+    call teeth_over_the_width()
+  end subroutine run_spline_ring
+
   !> Two opposite radial forces P widen a ring by  P [R^3/(E I) (pi/4 - 2/pi) + R/(E A) pi/4 + R/(k G A) pi/4]  (Castigliano), thin
   !> or thick, but for the shear of the harmonics left out. What one point does to another, that does to it (Maxwell). Two
   !> opposite tangential forces, whose moment the housing takes, move the teeth along.
-  subroutine run_spline_ring()
+  subroutine ring_under_forces()
     real(dp), parameter :: young = 209e9_dp, poisson = 0.295_dp, radius = 18e-3_dp, width = 9e-3_dp
     real(dp), parameter :: thick(3) = [0.1e-3_dp, 1e-3_dp, 7e-3_dp]
     type(spline_ring_t) :: ring
@@ -33,5 +44,36 @@ contains
     end do
     c = ring_compliance(ring, 0._dp) + ring_compliance(ring, pi)
     call check(c(2, 2) > 0 .and. abs(c(1, 2)) < 1e-12_dp*c(2, 2), 'tangential forces move the teeth along')
-  end subroutine run_spline_ring
+  end subroutine ring_under_forces
+
+  !> A tooth pushes evenly over the width of the circular spline amid a rim of 4 mm, or over the rim, with the moment of its circle:
+  !> rows of nodes at 0, 2 and 5 mm get the integrals of their linear shapes.
+  subroutine teeth_over_the_width()
+    type(body_t) :: cup, other
+    type(face_t) :: rim, inside
+    type(scene_t) :: scene
+    real(dp), allocatable :: outwards(:, :), along(:, :)
+    real(dp) :: width, ends(2), share(3), z(3)
+    integer :: i, k
+    call two_rings(hex8i, 12, 12, cup, other, rim, inside)
+    scene%bore_radius = 19e-3_dp
+    scene%rim_thickness = 1e-3_dp
+    scene%rim_length = 4e-3_dp
+    z = [0._dp, 2e-3_dp, 5e-3_dp]
+    do k = 1, 2
+      scene%spline_width = merge(2.4e-3_dp, 0._dp, k == 1)
+      width = merge(2.4e-3_dp, 4e-3_dp, k == 1)
+      ends = 2e-3_dp + [-width, width]/2
+      share(1) = (z(2) - ends(1))**2/(2*z(2)*width)
+      share(3) = (ends(2) - z(2))**2/(2*(z(3) - z(2))*width)
+      share(2) = 1 - share(1) - share(3)
+      allocate (outwards(3, cup%nodes()), along(3, cup%nodes()), source=0._dp)
+      call force_tooth(scene, cup, rim, rim_nodes(cup, rim), 0.29_dp, outwards, along)
+      do i = 1, 3
+        call check_close(sum(outwards(1, :), abs(cup%x(3, :) - z(i)) < 1e-9_dp), share(i), 1e-12_dp, 'load of a row of the rim')
+      end do
+      call check_close(axial_moment(cup, along), scene%tooth_circle(), 1e-12_dp, 'moment of a tooth on its circle')
+      deallocate (outwards, along)
+    end do
+  end subroutine teeth_over_the_width
 end module test_spline_ring

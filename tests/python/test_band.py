@@ -38,15 +38,8 @@ def banded(folder):
 
 @pytest.fixture(scope="module")
 def quick(exe, tmp_path_factory):
-    """Folder of the run whose band comes from derivatives and few runs, as by default."""
-    out = tmp_path_factory.mktemp("quick") / "a"
-    solve(exe, out)
-    return out
-
-
-@pytest.fixture(scope="module")
-def quickly(quick):
-    return json.loads((quick / "summary.json").read_text())["results"]
+    """Results whose band comes from derivatives and few runs, as by default."""
+    return solve(exe, tmp_path_factory.mktemp("quick") / "a")
 
 
 def test_band_holds_its_value(banded):
@@ -133,7 +126,7 @@ def test_band_leaves_the_run_as_it_is(exe, folder, banded, tmp_path):
     assert set(banded) - set(alone) == {k + end for k in KEYS for end in ("_low", "_high")} | {"band_shares"}
 
 
-def test_stopped_band_is_found_by_a_resumed_run(exe, quickly, tmp_path):
+def test_stopped_band_is_found_by_a_resumed_run(exe, quick, tmp_path):
     """A signal ends the band in order; --resume solves no load step again and finds it; a complete run has nothing to do."""
     out = tmp_path / "c"
     keys = [exe, ROOT / "data/drive14.nml", *MESH, "--out", out]
@@ -147,18 +140,18 @@ def test_stopped_band_is_found_by_a_resumed_run(exe, quickly, tmp_path):
     assert done.returncode == 0 and not re.search(r"^ *\d+ torque", done.stdout, re.M), done.stdout
     after = json.loads((out / "summary.json").read_text())["results"]
     assert {k: after[k] for k in after if k[-4:] in ("_low", "high")} == pytest.approx(
-        {k: quickly[k] for k in quickly if k[-4:] in ("_low", "high")}, rel=1e-6)
+        {k: quick[k] for k in quick if k[-4:] in ("_low", "high")}, rel=1e-6)
     assert "nothing to do" in call(*keys, "--resume").stdout
 
 
-def test_quick_band_is_that_of_all_runs(banded, quickly):
+def test_quick_band_is_that_of_all_runs(banded, quick):
     """By default small tolerances count by derivatives and loops end at the opposite torque: the ends of K1 to K3 are those of whole loops within 5 %,
     those of hysteresis and lost motion too to a tenth of the band."""
     for i, key in enumerate(KEYS[:5]):
         low, high = (np.log(banded[key + end] / banded[key]) for end in ("_low", "_high"))
-        found = [np.log(quickly[key + end] / quickly[key]) for end in ("_low", "_high")]
+        found = [np.log(quick[key + end] / quick[key]) for end in ("_low", "_high")]
         assert found == pytest.approx([low, high], abs=min(0.1 * (high - low), 0.05 if i < 3 else np.inf)), key
-    assert not any(f"{key}_low" in quickly for key in KEYS[5:]) and set(quickly["band_shares"]) == set(banded["band_shares"])
+    assert not any(f"{key}_low" in quick for key in KEYS[5:]) and set(quick["band_shares"]) == set(banded["band_shares"])
 
 
 def test_drives_drawn_by_the_tolerances_lie_in_the_band(exe, tmp_path):

@@ -224,8 +224,8 @@ def test_grid_is_what_meshio_reads(assembled):
 
 
 def test_rim_of_a_run(assembled):
-    """Points of a run's rim are the places of its nodes, mean over its length or the width of the circular spline amid it, w^2/R = 2.26 um nearer on the long axis, which a ring that keeps its
-    length is and small displacements are not; the normal is right on a shape known in closed form."""
+    """Points of a run's rim are the places of its nodes, mean over its length or the width of the circular spline amid it, w^2/R = 2.26 um nearer on
+    the long axis, which a ring that keeps its length is and small displacements are not; the normal is right on a shape known in closed form."""
     rim = Rim.read(assembled)
     grid = read_grid(next(assembled.glob("bodies_*.vtu")), "Points", "displacement_m")
     x, u = grid["Points"], grid["displacement_m"]

@@ -145,7 +145,7 @@ def tooth_gaps(profile: Involute | DoubleArc, path: PathLike = "", *, least_gap:
     profile : Involute or DoubleArc
     path : path-like
         Namelist of the scene, '' takes the defaults; or the folder of a run of it, with a grid of the assembly at 0 N m: its rim is
-        taken, the mean over the length.
+        taken, the mean over the width of the circular spline.
     least_gap : float, optional
         Clearance of the closest pair of a half turn [m], default 0: it sets x2 of an Involute where that is not given, and moves
         the envelope of a DoubleArc.

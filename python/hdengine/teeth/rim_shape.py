@@ -21,8 +21,8 @@ ON = 1e-6   # of the radius, by which nodes lie on a surface
 def tooth_ends(scene: dict) -> tuple[float, float]:
     """Places along the axis between which teeth touch: the width of the circular spline, amid the rim [m]."""
     rim, width = scene["geometry.rim_length"], scene["load.spline_width"]
-    half = min(width, rim) / 2 if width > 0 else rim / 2
-    return rim / 2 - half, rim / 2 + half
+    width = min(width or rim, rim)
+    return (rim - width) / 2, (rim + width) / 2
 
 
 def row_weights(heights: np.ndarray, ends: tuple[float, float]) -> np.ndarray:
@@ -83,7 +83,7 @@ def read_grid(path: PathLike, *names: str) -> dict:
 
 @dataclass(frozen=True)
 class RimShape:
-    """Deformed outside of the rim: mean over its length, between the meridians of the mesh by harmonics.
+    """Deformed outside of the rim: mean over what touches the teeth, between the meridians of the mesh by harmonics.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ axes[0].set_ylabel("signed von Mises stress / MPa")
 axes[0].legend()
 axes[1].plot(1e3 * worst["z_m"], worst["safety"], "o-")
 axes[1].axhline(1, color="k", lw=1)
-axes[1].set_ylim(0, 4)
+axes[1].set_ylim(bottom=0)
 axes[1].set_ylabel("safety (worst point through the thickness)")
 for axis in axes:
     axis.set_xlabel("distance from the opening / mm")

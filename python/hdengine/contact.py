@@ -50,7 +50,8 @@ class Step:
     def stiffness(self) -> str:
         """Text of what the scene is solved for: K_TS, or K_FTS against the teeth."""
         if not self.against_teeth:
-            return f"K_TS tangent {self.sums['k_ts_bonded_nm_per_rad']:.4g}, Eq. 45 {self.k_ts_nm_per_rad:.4g} N m/rad"
+            tangent = self.sums["k_ts_bonded_nm_per_rad"]
+            return f"K_TS tangent {tangent:.4g}, Eq. 45 {self.k_ts_nm_per_rad:.4g} N m/rad".replace("nan", "none")
         torque, turn = self.sums["torque_nm"], self.sums["rotation_rad"]
         return f"K_FTS {torque / turn:.4g} N m/rad" if torque and turn else "K_FTS -"
 

@@ -490,17 +490,18 @@ class Result:
             f"peak {r['pressure_max_pa'] / 1e6:.4g} MPa (node)   rotation {r['rotation_rad']:.3e} rad",
             f"  {stiffness}",
         ]
-        if r.get("k3_nm_per_rad") is not None:
+        if any(r.get(f"k{i}_nm_per_rad") is not None for i in (1, 2, 3)):
             bands = [[r.get(f"k{i}_nm_per_rad{end}") for end in ("", "_low", "_high")] for i in (1, 2, 3)]
             k = ", ".join(f"K{i} {_number(k)}" + (f" ({low:.4g} to {high:.4g})" if low and high else "")
-                          for i, (k, low, high) in enumerate(bands, 1))
+                          for i, (k, low, high) in enumerate(bands, 1) if k is not None)
             widths = "".join(f"; {name.replace('_', ' ')} {np.degrees(60 * r[f'{name}_rad']):.3g}'"
                              for name in ("hysteresis", "lost_motion") if r.get(f"{name}_rad") is not None)
             lines.append(f"  drive: {k} N m/rad{widths}")
-        if "k_ts_bonded_nm_per_rad" in self.limits:
-            k, error, mesh = self.limits["k_ts_bonded_nm_per_rad"]
-            lines.append(f"  limit of fine meshes: tangent K_TS {k:.4g} N m/rad within {100 * error:.2g} % "
-                         f"(this mesh {100 * (mesh - 1):+.2g} %)")
+        for key, name in (("k_ts_bonded_nm_per_rad", "tangent K_TS"), *((f"k{i}_nm_per_rad", f"K{i}") for i in (1, 2, 3))):
+            if key in self.limits:
+                k, error, mesh = self.limits[key]
+                lines.append(f"  limit of fine meshes: {name} {k:.4g} N m/rad within {100 * error:.2g} % "
+                             f"(this mesh {100 * (mesh - 1):+.2g} %)")
         return "\n".join(lines + [f"  warning: {w}" for w in self.summary["warnings"]])
 
 

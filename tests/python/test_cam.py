@@ -120,6 +120,20 @@ def test_measured_table_is_the_curve_it_was_taken_from(tmp_path):
     assert found.curve_m == pytest.approx(2 * np.pi * (R + 5e-6), rel=1e-14)
 
 
+def test_a_table_written_anew_is_read_anew(tmp_path):
+    """A process that goes on keeps no model of what the file held before, and w is half the range of the radii, whatever is said."""
+    keys = {"wave_generator.shape": "as_formed", "wave_generator.w": 0.7e-3, "mesh.divisions": 16, "mesh.band_facets": 3, "output.vtu": "none"}
+    found = []
+    for w, forget in ((W, True), (1.5 * W, False), (1.5 * W, True)):
+        if forget:
+            hdengine.forget()
+        of = {f"wave_generator.{key}": value for key, value in table(tmp_path / "c.csv", R, w).items()}
+        run = hdengine.run(ROOT / "data/cd14.nml", tmp_path / "r", True, **keys, **of)
+        found.append(run.summary["results"]["k_ts_nm_per_rad"])
+        assert run.scene["wave_generator.w"] == pytest.approx(w, rel=1e-3)
+    assert found[1] == pytest.approx(found[2], rel=1e-12) and found[1] != pytest.approx(found[0], rel=1e-2)
+
+
 HEAD = "theta_deg,radius_m\n0,0.0165\n"
 
 

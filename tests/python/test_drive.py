@@ -809,6 +809,15 @@ def test_turning_repeats_after_a_ball(exe, tmp_path):
     assert results["turning_angle_error_rad"] == pytest.approx(np.ptp(rows["turn_rad"]))
 
 
+def test_a_place_is_read_at_half_and_all_of_the_torque(exe, tmp_path):
+    """The first place is the drive itself, whose loop has the same turn and slope, whatever torques its catalogue reads at."""
+    row = turned(exe, tmp_path / "t", "turning.positions=1", "loop.torque_1=2.7", "loop.torque_2=5")[0]
+    solve(exe, tmp_path / "l", *TURNING[:1], *TURNING[4:], "loop.torques=6", "load.torque_steps=2", "loop.torque_1=7", "loop.torque_2=8")
+    (half, all_), angle = read_csv(tmp_path / "l/loop.csv")["torque_nm"][-2:], read_csv(tmp_path / "l/loop.csv")["angle_rad"][-2:]
+    assert (half, all_) == (3, 6) and row["turn_rad"] == pytest.approx(angle[1], rel=1e-3)
+    assert row["stiffness_nm_per_rad"] == pytest.approx(3 / (angle[1] - angle[0]), rel=2e-3)
+
+
 def test_turning_is_symmetric(exe, tmp_path):
     """The mirror image of a place is the place as far the other way under the opposite torque: turns are opposite, the rest equal."""
     plus = turned(exe, tmp_path / "p", "turning.positions=5")

@@ -136,6 +136,15 @@ def test_calculix_finds_the_forces(drive, tmp_path):
     assert abs(sums["GROUND"][:, 0]).max() == pytest.approx(balls.max(), rel=0.02)
 
 
+def test_a_deck_has_the_friction_of_every_step(tmp_path):
+    """A friction that the torque finds another than the assembly is changed between their steps."""
+    pytest.importorskip("meshio")
+    run = hdengine.run(ROOT / "data/cd14.nml", tmp_path / "r.out", **{
+        "mesh.divisions": 16, "mesh.band_facets": 3, "load.torque_steps": 1, "contact.torque_friction": 0.4, "output.vtu": "all"})
+    values = re.findall(r"\*CHANGE FRICTION, INTERACTION=TOUCH\n\*FRICTION\n([\d.]+),", to_deck(run))
+    assert [float(v) for v in values] == run.steps["friction"].tolist() and set(values) == {"0.15", "0.4"}
+
+
 def test_a_deck_has_the_friction_of_the_flanks(tmp_path):
     """The forces on the rim turn it by the torque of the run, friction of the flanks included."""
     pytest.importorskip("meshio")

@@ -295,6 +295,23 @@ def test_a_checkpoint_of_another_run_is_refused(tmp_path):
         hdengine.Run(CD14, tmp_path / "a", resume=True, **SMALL)
 
 
+def test_a_plan_takes_up_no_trials_of_other_tables(exe, tmp_path):
+    """A table that a key names and that has changed since makes every trial anew: limits are those of a plan that begins with it."""
+    words = ["geometry.bore_radius=9e-3", "geometry.hub_radius=4e-3", "solver.kinematics=linear", "run.tolerance=0.3", "joint.model=table", "contact.law=joint",
+             f"joint.table_file={tmp_path / 'k.csv'}", "--out"]
+    found = {}
+    for name, k in (("stiff", 1e14), ("soft", 1e13)):
+        (tmp_path / "k.csv").write_text(f"pressure_pa,k_n_pa_per_m\n1e6,{k / 50}\n1e8,{k}\n")
+        assert call(exe, CD14, *words, tmp_path / name).returncode == 0
+        found[name] = json.loads((tmp_path / name / "summary.json").read_text())["plan"]
+    for name in ("plan.nml", "plan.csv"):
+        (tmp_path / "cut").mkdir(exist_ok=True)
+        shutil.copy(tmp_path / "stiff" / name, tmp_path / "cut")
+    assert call(exe, CD14, *words, tmp_path / "cut", "--resume").returncode == 0
+    cut = json.loads((tmp_path / "cut/summary.json").read_text())["plan"]
+    assert cut["pressure_field_pa"] == found["soft"]["pressure_field_pa"] != found["stiff"]["pressure_field_pa"]
+
+
 def test_a_mutated_plan_is_refused(exe, tmp_path):
     """A changed row of plan.csv ends a resumed plan with code 3 that names the row."""
     words = ["geometry.bore_radius=9e-3", "geometry.hub_radius=4e-3", "solver.kinematics=linear", "run.tolerance=0.3", "--out", tmp_path / "p"]

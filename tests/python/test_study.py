@@ -55,7 +55,7 @@ def test_torques_are_drawn_at_their_last_step(tmp_path):
     axis = new_axes()[1]
     draw(axis, result, x, ys[0], lines)
     assert [line.get_xdata().tolist() for line in axis.lines] == [[2.0, 3.0, 4.0]]
-    assert axis.lines[0].get_ydata()[-1] == pytest.approx(1e-6 * result.select(torque_nm=4.0)[0]["k_ts_nm_per_rad"])
+    assert axis.lines[0].get_ydata()[-1] == pytest.approx(1e-6 * result.select(torque_nm=4.0)[0]["k_ts_bonded_nm_per_rad"])
 
 
 def test_points_with_units_and_words_are_drawn(tmp_path):

@@ -20,8 +20,8 @@ contains
     if (path_kind(folder) /= path_directory) then
       call raise(error, code_file, "'"//folder//"' is a file, not a folder: choose another with --out DIR")
     else if (path_kind(folder//'/echo.nml') /= path_absent .and. .not. force) then
-      call raise(error, code_file, "'"//folder//"' holds an earlier run: add --force to replace it, or choose another "// &
-        'folder with --out DIR')
+      call raise(error, code_file, "'"//folder//"' holds an earlier run: add --force to replace it (from Python "// &
+        'force=True), or choose another folder with --out DIR (out=)')
     end if
   end subroutine check_folder
 

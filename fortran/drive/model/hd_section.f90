@@ -13,7 +13,7 @@ module hd_section
 
   integer, parameter :: clear_cells = 4         !< edge cells that the band's ends keep clear of stations of their own
   integer, parameter :: arc_cells = 8           !< of a half turn, at least
-  real(dp), parameter :: whole = 1e-6_dp        !< a quarter turn of four cells that rounding lengthens has no fifth
+  real(dp), parameter :: rounding = 1e-6_dp     !< a quarter turn of four cells that rounding lengthens has no fifth
 
 contains
 
@@ -219,7 +219,7 @@ contains
       end associate
     end do
     n = rows_in((1 - from)*meridian%length(k)*merge(wanted/whole, scene%band_facets/scene%band_length, wanted > 0))
-    n = max(n, ceiling(abs(meridian%piece(k)%turn)/(pi/arc_cells) - whole))
+    n = max(n, ceiling(abs(meridian%piece(k)%turn)/(pi/arc_cells) - rounding))
   end function cells_of
 
   !> Wall thickness: the toothed rim, a linear taper, the smooth wall [m].

@@ -101,7 +101,7 @@ contains
         call restore_run(chosen, input, folder, run, error)
       else
         call new_run(chosen, input, folder, force .or. begun, run, error)
-        if (chosen%with_gradient == '.true.') allocate (run%gradient)
+        if (chosen%with_gradient == '.true.' .and. run%writes) allocate (run%gradient)  ! it stands in the summary alone
       end if
       if (.not. allocated(error)) then
         if (resume .and. .not. begun) call say("resumed   nothing in '"//folder//"' yet: begins with the first load step")

@@ -229,7 +229,7 @@ contains
       ' facets: about '//to_text(nint(seconds))//' s')
   end subroutine foretell
 
-  !> Everything a plan may choose, in one word.
+  !> Everything a plan may choose, in one word, and what the tables hold that keys name.
   pure function name_of(s) result(name)
     type(scene_t), intent(in) :: s  !< scene on its mesh
     character(len=:), allocatable :: name
@@ -243,7 +243,7 @@ contains
       name = name//'_end_'//to_text(last%step)
       if (s%straight) name = name//'_straight'
     end if
-    name = name//'_'//trim(s%support%name)
+    name = name//'_'//trim(s%support%name)//'_files_'//hexadecimal(s%files)
   end function name_of
 
   !> A mesh for the log.

@@ -43,8 +43,8 @@ contains
       to_text(merge(scene%clearance, scene%interference, scene%clearance > 0))//" m; solver.kinematics = 'nonlinear' has it")
     if (scene%support%struts) then
       call push(list, 'gear: no friction of '//trim(merge('balls and cage        ', 'flanks, balls and cage', &
-        scene%tooth_friction > 0))//', no tooth tips, the toothed rim as a smooth one; K1 to K3 of the shipped sizes are '// &
-        '0.8 to 1.2 times the catalogue''s, up to 1.6 times at ratio 30 (docs/evidence/drive.md)')
+        scene%tooth_friction > 0))//', no tooth tips, the toothed rim as a smooth one; K1 to K3 are 0.76 to 1.1 times the '// &
+        'catalogue''s from size 17 to 40, 0.5 to 1.65 times in other shipped drives (docs/evidence/drive.md)')
     else
       if (.not. scene%ball_stiffness > 0) call push(list, 'wave generator rigid: balls of 6 N/um each add 42 % to the '// &
         'flexibility of a size 14 cup against its teeth (wave_generator.ball_stiffness has them)')

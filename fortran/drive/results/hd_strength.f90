@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Von Mises stress of both bodies against their yield strengths: the largest at a Gauss point of any booked load step, for a drive
-!> must stand its whole path. What a formed flexspline keeps of being bent to its shape is not among it.
+!> Von Mises stress of both bodies against their yield strengths: the largest at a node in any booked load step, for a drive must
+!> stand its whole path, and a wall that is bent has its largest stress on its faces. What a formed flexspline keeps of being bent to its shape is not among it.
 module hd_strength
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
   use hd_kinds, only: dp
@@ -9,7 +9,7 @@ module hd_strength
   use hd_fatigue, only: fatigue_t, judge_fatigue
   use hd_problem, only: state_t
   use hd_scene, only: scene_t
-  use hd_stress, only: body_stress, stress_matrices_t
+  use hd_stress, only: body_stress, largest_of, stress_matrices_t
   use hd_text, only: string_t, push, rounded, to_text
   implicit none
   private
@@ -36,20 +36,16 @@ contains
     real(dp), intent(in) :: torque                    !< of the step [N m]
     type(error_t), allocatable, intent(out) :: error  !< inverted element
     real(dp), allocatable :: stress(:, :)
-    real(dp) :: largest
     integer :: b
     do b = 1, 2
       associate (body => drive%problem%bodies(b))
-        if (scene%support%loop .and. b == drive%b_cup) then
-          allocate (stress(6, body%nodes()))
-          call body_stress(drive%problem, b, state%u, matrices(b), error, stress, largest=largest)
-          if (.not. allocated(error)) call judge_fatigue(scene, body, stress, torque, fatigue)
-        else
-          call body_stress(drive%problem, b, state%u, matrices(b), error, largest=largest)
-        end if
+        allocate (stress(6, body%nodes()))
+        call body_stress(drive%problem, b, state%u, matrices(b), error, stress)
         if (allocated(error)) return
-        if (b == drive%b_ring) strength%ring = max(strength%ring, largest)
-        if (b == drive%b_cup) strength%flexspline = max(strength%flexspline, largest)
+        if (b == drive%b_ring) strength%ring = max(strength%ring, largest_of(stress))
+        if (b == drive%b_cup) strength%flexspline = max(strength%flexspline, largest_of(stress))
+        if (b == drive%b_cup .and. scene%support%loop) call judge_fatigue(scene, body, stress, torque, fatigue)
+        deallocate (stress)
       end associate
     end do
   end subroutine book_stress

@@ -12,8 +12,8 @@ module hd_stress
   use hd_total_lagrangian, only: cell_stress, total_lagrangian_t
   implicit none
   private
-  public :: stress_matrices_t, body_stress, nodal_stress, spot_t, worst_spot, spot_stress, node_stress
-  public :: von_mises, principal_stresses, signed_equivalent
+  public :: stress_matrices_t, body_stress, nodal_stress, worst_node, node_stress
+  public :: von_mises, largest_of, principal_stresses, signed_equivalent
 
   integer, parameter :: many_nodes = 20000  !< of a body, from which two threads are worth waking
   integer, parameter :: chunk = 15          !< sectors that a thread evaluates at once, beside the one before them
@@ -25,66 +25,31 @@ module hd_stress
     real(dp), allocatable :: at_nodes(:, :, :)   !< cylindrical, at the nodes (6 nodes, 3 nodes, cells) [Pa/m]
   end type stress_matrices_t
 
-  !> A Gauss point of a problem.
-  type :: spot_t
-    integer :: body = 0, cell = 0, sector = 0, point = 0
-  end type spot_t
-
 contains
 
-  !> Where von Mises' stress of all bodies is largest under small displacements.
-  subroutine worst_spot(problem, u, spot, error)
+  !> Node where von Mises' stress of all bodies is largest under small displacements.
+  subroutine worst_node(problem, u, b, node, error)
     type(problem_t), intent(in) :: problem            !< bodies
     real(dp), intent(in) :: u(:, :)                   !< displacements (3, n) [m]
-    type(spot_t), intent(out) :: spot                 !< the place
+    integer, intent(out) :: b, node                   !< body, and which of its nodes
     type(error_t), allocatable, intent(out) :: error  !< inverted element
-    type(stress_matrices_t) :: matrices
-    type(spot_t) :: other
-    real(dp), allocatable :: peak(:, :)
-    real(dp) :: most, value
-    integer :: b, k, p
+    type(stress_matrices_t), allocatable :: matrices
+    real(dp), allocatable :: stress(:, :)
+    real(dp) :: most
+    integer :: i
     most = -1
-    do b = 1, size(problem%bodies)
-      associate (cells => size(problem%bodies(b)%cells, 2))
-        allocate (peak(6, cells*problem%bodies(b)%sectors))
-        call body_stress(problem, b, u, matrices, error, peak=peak)
-        if (allocated(error)) return
-        k = maxloc(von_mises(peak), 1)
-        do p = 1, points
-          other = spot_t(b, modulo(k - 1, cells) + 1, (k - 1)/cells, p)
-          call spot_stress(problem, other, u, value, error)
-          if (allocated(error)) return
-          if (value > most) spot = other
-          most = max(most, value)
-        end do
-        deallocate (peak, matrices%at_points, matrices%at_nodes)
-      end associate
-    end do
-  end subroutine worst_spot
-
-  !> Von Mises' stress of a spot, and its derivatives.
-  subroutine spot_stress(problem, spot, u, value, error, slope)
-    type(problem_t), intent(in) :: problem             !< bodies
-    type(spot_t), intent(in) :: spot                   !< place
-    real(dp), intent(in) :: u(:, :)                    !< displacements (3, n) [m]
-    real(dp), intent(out) :: value                     !< [Pa]
-    type(error_t), allocatable, intent(out) :: error   !< inverted element
-    real(dp), intent(inout), optional :: slope(:, :)   !< gets them added (3, n) [Pa/m]
-    real(dp), allocatable :: at_points(:, :), at_nodes(:, :)
-    integer, allocatable :: list(:)
-    real(dp) :: s(6), d(6)
-    associate (body => problem%bodies(spot%body), last => 6*spot%point)
-      list = cell_nodes(body, spot%cell, spot%sector) + problem%first(spot%body)
-      allocate (at_points(6*points, 3*size(list)), at_nodes(6*size(list), 3*size(list)))
-      call cell_matrices(body, spot%cell, at_points, at_nodes, error)
+    do i = 1, size(problem%bodies)
+      allocate (matrices, stress(6, problem%bodies(i)%nodes()))
+      call body_stress(problem, i, u, matrices, error, stress)
       if (allocated(error)) return
-      s = matmul(at_points(last - 5:last, :), reshape(u(:, list), [3*size(list)]))
-      value = sqrt(square_of(s))
-      if (.not. present(slope)) return
-      d = [3*s(:3) - sum(s(:3)), 6*s(4:)]/(2*value)
-      slope(:, list) = slope(:, list) + reshape(matmul(d, at_points(last - 5:last, :)), [3, size(list)])
-    end associate
-  end subroutine spot_stress
+      if (largest_of(stress) > most) then
+        most = largest_of(stress)
+        b = i
+        node = maxloc(von_mises(stress), 1)
+      end if
+      deallocate (matrices, stress)
+    end do
+  end subroutine worst_node
 
   !> Signed von Mises stress of a node under small displacements, and its derivatives.
   subroutine node_stress(problem, b, node, u, value, error, slope)
@@ -119,42 +84,38 @@ contains
     end do
   end subroutine node_stress
 
-  !> Stresses of a body of a problem, those that are asked for. Of explicit shape: an absent array has no descriptor to be read.
-  subroutine body_stress(problem, b, u, matrices, error, stress, peak, largest)
+  !> Stresses of a body of a problem. Of explicit shape: an absent array has no descriptor to be read.
+  subroutine body_stress(problem, b, u, matrices, error, stress, peak)
     type(problem_t), intent(in) :: problem            !< bodies
     integer, intent(in) :: b                          !< which
     real(dp), intent(in) :: u(:, :)                   !< displacements of all (3, n) [m]
     type(stress_matrices_t), intent(inout) :: matrices   !< of the body, made if there are none
     type(error_t), allocatable, intent(out) :: error  !< inverted element
-    real(dp), intent(out), optional :: stress(6, problem%bodies(b)%nodes())  !< at the nodes [Pa]
+    real(dp), intent(out) :: stress(6, problem%bodies(b)%nodes())  !< at the nodes [Pa]
     real(dp), intent(out), optional :: peak(6, size(problem%bodies(b)%cells, 2)*problem%bodies(b)%sectors)  !< at the Gauss point
                                                       !< of every cell of all sectors where von Mises' stress is largest [Pa]
-    real(dp), intent(out), optional :: largest        !< von Mises' stress of any Gauss point [Pa]
     associate (body => problem%bodies(b), low => problem%first(b) + 1, high => problem%first(b) + problem%bodies(b)%nodes())
       if (allocated(problem%lagrangian)) then
-        call nodal_stress(body, u(:, low:high), matrices, error, stress, peak, largest, problem%lagrangian(b))
+        call nodal_stress(body, u(:, low:high), matrices, error, stress, peak, problem%lagrangian(b))
       else
-        call nodal_stress(body, u(:, low:high), matrices, error, stress, peak, largest)
+        call nodal_stress(body, u(:, low:high), matrices, error, stress, peak)
       end if
     end associate
   end subroutine body_stress
 
-  !> Stresses of a revolved body, those that are asked for. A thread takes some sectors with all their cells. The sector before
-  !> has part in stresses at their first nodes: it is then evaluated again, and added last where it is the body's last one, whoever
-  !> makes the others.
-  subroutine nodal_stress(body, u, matrices, error, stress, peak, largest, lagrangian)
+  !> Stresses of a revolved body. A thread takes some sectors with all their cells. The sector before has part in stresses at their
+  !> first nodes: it is evaluated again, and added last where it is the body's last one, whoever makes the others.
+  subroutine nodal_stress(body, u, matrices, error, stress, peak, lagrangian)
     type(body_t), intent(in) :: body                  !< body
     real(dp), intent(in) :: u(:, :)                   !< its displacements (3, nodes) [m]
     type(stress_matrices_t), intent(inout) :: matrices   !< made if there are none
     type(error_t), allocatable, intent(out) :: error  !< inverted element
-    real(dp), intent(out), optional :: stress(:, :)   !< at the nodes (6, nodes) [Pa]
+    real(dp), intent(out) :: stress(:, :)             !< at the nodes (6, nodes) [Pa]
     real(dp), intent(out), optional :: peak(:, :)     !< at the Gauss point of every cell where von Mises' stress is largest
                                                       !< (6, cells of all sectors) [Pa]
-    real(dp), intent(out), optional :: largest        !< von Mises' stress of any Gauss point [Pa]
     type(total_lagrangian_t), intent(in), optional :: lagrangian  !< its cells, if displacements may be large
     real(dp), allocatable :: s(:, :, :), t(:, :, :)
-    real(dp) :: square
-    integer :: list(nodes_per_element(body%kind)), meets(body%nodes_per_sector), a, cell, first, i, k, last, own
+    integer :: list(nodes_per_element(body%kind)), meets(body%nodes_per_sector), a, cell, first, i, k, last
     integer :: threads
     if (.not. (present(lagrangian) .or. allocated(matrices%at_points))) call find_matrices(body, matrices, error)
     if (allocated(error)) return
@@ -163,23 +124,19 @@ contains
       a = modulo(body%cells(modulo(i - 1, size(list)) + 1, (i - 1)/size(list) + 1) - 1, size(meets)) + 1
       meets(a) = meets(a) + 1
     end do
-    square = 0
-    own = merge(1, 0, present(stress))  ! sectors evaluated before the first
-    threads = blas_threads(1)           ! in each of ours
+    threads = blas_threads(1)  ! in each of ours
     associate (m => body%nodes_per_sector, cells => size(body%cells, 2))
-      !$omp parallel do schedule(static, 1) private(s, t, list, a, cell, i, k, last) reduction(max: square) &
+      !$omp parallel do schedule(static, 1) private(s, t, list, a, cell, i, k, last) &
       !$omp if(body%nodes() > many_nodes)
       do first = 1, body%sectors, chunk
         last = min(body%sectors, first + chunk - 1)
-        allocate (s(6, points, last - first + 1 + own), t(6, size(list), last - first + 1 + own))
-        if (present(stress)) stress(:, (first - 1)*m + 1:last*m) = 0
+        allocate (s(6, points, last - first + 2), t(6, size(list), last - first + 2))
+        stress(:, (first - 1)*m + 1:last*m) = 0
         do cell = 1, cells
-          call cell_stresses(body, cell, first - own, u, matrices, present(stress), s, t, lagrangian)
-          do k = 1 + own, size(s, 3)
-            if (present(largest)) square = max(square, maxval([(square_of(s(:, i, k)), i=1, points)]))
-            if (present(peak)) peak(:, (first + k - own - 2)*cells + cell) = s(:, maxloc(von_mises(s(:, :, k)), 1), k)
+          call cell_stresses(body, cell, first - 1, u, matrices, present(peak), s, t, lagrangian)
+          do k = 2, merge(size(s, 3), 1, present(peak))
+            peak(:, (first + k - 3)*cells + cell) = s(:, maxloc(von_mises(s(:, :, k)), 1), k)
           end do
-          if (.not. present(stress)) cycle
           do i = 1, size(s, 3)
             k = i
             if (first == 1) k = modulo(i, size(s, 3)) + 1
@@ -189,27 +146,24 @@ contains
             end do
           end do
         end do
-        if (present(stress)) then
-          do i = (first - 1)*m + 1, last*m
-            stress(:, i) = stress(:, i)/max(1, meets(modulo(i - 1, m) + 1))
-          end do
-        end if
+        do i = (first - 1)*m + 1, last*m
+          stress(:, i) = stress(:, i)/max(1, meets(modulo(i - 1, m) + 1))
+        end do
         deallocate (s, t)
       end do
       !$omp end parallel do
     end associate
     threads = blas_threads(threads)
-    if (present(largest)) largest = sqrt(square)
   end subroutine nodal_stress
 
   !> Stresses of a cell of a sector and of those like it in the next ones at once: they have the same matrices.
-  subroutine cell_stresses(body, cell, first, u, matrices, nodal, s, t, lagrangian)
+  subroutine cell_stresses(body, cell, first, u, matrices, pointwise, s, t, lagrangian)
     type(body_t), intent(in) :: body                  !< body
     integer, intent(in) :: cell                       !< cell
     integer, intent(in) :: first                      !< sector, from 1; 0: the last one
     real(dp), intent(in) :: u(:, :)                   !< displacements of the body (3, nodes) [m]
     type(stress_matrices_t), intent(in) :: matrices   !< of all cells
-    logical, intent(in) :: nodal                      !< t is wanted
+    logical, intent(in) :: pointwise                  !< s is wanted
     real(dp), intent(out), contiguous :: s(:, :, :)   !< at the Gauss points (6, points, sectors) [Pa]
     real(dp), intent(out), contiguous :: t(:, :, :)   !< at the nodes (6, nodes, sectors) [Pa]
     type(total_lagrangian_t), intent(in), optional :: lagrangian  !< as of nodal_stress
@@ -228,16 +182,16 @@ contains
       list = cell_nodes(body, cell, 0)
       call cell_stress(lagrangian%cells(cell), v, s)
       do sector = 1, n
-        do a = 1, merge(size(list), 0, nodal)
+        do a = 1, size(list)
           t(:, a, sector) = turned(matmul(s(:, :, sector), to_nodes(a, :)), frame(body%angle(list(a))))
         end do
       end do
       return
     end if
-    call dgemm('N', 'N', 6*points, n, 3*size(list), 1._dp, matrices%at_points(:, :, cell), 6*points, v, 3*size(list), 0._dp, s, &
-      6*points)
-    if (nodal) call dgemm('N', 'N', 6*size(list), n, 3*size(list), 1._dp, matrices%at_nodes(:, :, cell), 6*size(list), v, &
-      3*size(list), 0._dp, t, 6*size(list))
+    if (pointwise) call dgemm('N', 'N', 6*points, n, 3*size(list), 1._dp, matrices%at_points(:, :, cell), 6*points, v, &
+      3*size(list), 0._dp, s, 6*points)
+    call dgemm('N', 'N', 6*size(list), n, 3*size(list), 1._dp, matrices%at_nodes(:, :, cell), 6*size(list), v, 3*size(list), &
+      0._dp, t, 6*size(list))
   end subroutine cell_stresses
 
   !> Those of all cells.
@@ -335,7 +289,18 @@ contains
     end do
   end function von_mises
 
-  !> Its square [Pa^2].
+  !> The largest of columns [Pa].
+  pure real(dp) function largest_of(s) result(most)
+    real(dp), intent(in) :: s(:, :)  !< (6, n) [Pa]
+    integer :: i
+    most = 0
+    do i = 1, size(s, 2)
+      most = max(most, square_of(s(:, i)))
+    end do
+    most = sqrt(most)
+  end function largest_of
+
+  !> Square of von Mises' stress [Pa^2].
   pure real(dp) function square_of(s) result(square)
     real(dp), intent(in) :: s(6)  !< [Pa]
     square = ((s(1) - s(2))**2 + (s(2) - s(3))**2 + (s(3) - s(1))**2)/2 + 3*(s(4)**2 + s(5)**2 + s(6)**2)

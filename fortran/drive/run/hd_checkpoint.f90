@@ -160,11 +160,11 @@ contains
       if (status == 0 .and. head%version /= right%version) then
         cause = 'of hdengine '//trim(head%version)//', this is '//trim(right%version)
         status = 1
-      else if (status == 0 .and. head%scene /= scene_checksum(scene)) then
-        cause = 'of another scene'
-        status = 1
       else if (status == 0 .and. head%files /= scene%files) then
         cause = 'of other tables: joint.table_file, joint.spectrum_file or wave_generator.cam_file have changed since'
+        status = 1
+      else if (status == 0 .and. head%scene /= scene_checksum(scene)) then
+        cause = 'of another scene'
         status = 1
       else if (status == 0 .and. (head%nodes /= size(state%u, 2) .or. head%points /= size(state%traction, 2))) then
         cause = 'of another mesh'

@@ -24,7 +24,7 @@ module hd_gradient
   use hd_newton, only: linear_equations, prescribe
   use hd_problem, only: problem_t, state_t, load_t, elastic_forces, linear_forces, move_state, strut_forces, update_struts
   use hd_scene, only: scene_t
-  use hd_stress, only: spot_t, worst_spot, spot_stress, node_stress
+  use hd_stress, only: worst_node, node_stress
   use hd_strut, only: closing_of, push
   use hd_strut_step, only: ahead_t, count_ahead
   use hd_summary, only: derivatives_t
@@ -70,7 +70,7 @@ module hd_gradient
     integer :: ball = 0, tooth = 0                   !< their struts
     integer :: tired_at = 0, tired(2) = 0            !< of the least safety, and the nodes of the cup it is of
     real(dp) :: safety = huge(1._dp)                 !< least so far
-    type(spot_t) :: spot                             !< where the stress is largest
+    integer :: spot(2) = 0                           !< body and its node where the stress is largest
     integer :: edge(2) = 0                           !< where an end of the band carries most: end, column of facets
     integer :: keys = 0
     type(neighbour_t), allocatable :: of(:)          !< of the keys, and room
@@ -282,7 +282,7 @@ contains
       call drive_load(drive, assembly_at(scene, worst%place), 0._dp, 0._dp, load)
       u = worst%state%u
       call prescribe(drive%problem, load, u)
-      call spot_stress(drive%problem, self%spot, u, stress, error)
+      call node_stress(drive%problem, self%spot(1), self%spot(2), u, stress, error)
       allocate (value(0))
       if (scene%support%loop) then
         most = 0
@@ -304,7 +304,7 @@ contains
       end if
       line = edge_loads(drive, top%state%traction(1, :))
       associate (m => drive%problem%mortar%n - drive%problem%mortar%rigid)
-        value = [value, sums%k_ts, 0._dp, sum(drive%problem%mortar%area(:m)*top%state%traction(1, :m)), stress, &
+        value = [value, sums%k_ts, 0._dp, sum(drive%problem%mortar%area(:m)*top%state%traction(1, :m)), abs(stress), &
           line(self%edge(1), self%edge(2))]
       end associate
       if (.not. scene%support%loop) value = [value, sum(drive%gauge*(top%state%u - self%station(self%assembled)%state%u))]
@@ -351,7 +351,7 @@ contains
     real(dp), allocatable :: k_ts, line(:, :), by_u(:, :, :)
     real(dp) :: stress, ends(2), step
     integer :: f, i, m, n
-    call worst_spot(drive%problem, self%station(self%worst)%state%u, self%spot, error)
+    call worst_node(drive%problem, self%station(self%worst)%state%u, self%spot(1), self%spot(2), error)
     if (allocated(error)) return
     if (scene%support%loop) call find_forces(self, scene, drive)
     self%edge = maxloc(edge_loads(drive, self%station(self%top)%state%traction(1, :)))
@@ -391,7 +391,9 @@ contains
     m = drive%problem%mortar%n - drive%problem%mortar%rigid
     self%result(n + 3)%by_t(1, :m) = drive%problem%mortar%area(:m)
     self%result(n + 4)%station = self%worst
-    call spot_stress(drive%problem, self%spot, self%station(self%worst)%state%u, stress, error, self%result(n + 4)%by_u)
+    call node_stress(drive%problem, self%spot(1), self%spot(2), self%station(self%worst)%state%u, stress, error, &
+      self%result(n + 4)%by_u)
+    self%result(n + 4)%by_u = sign(1._dp, stress)*self%result(n + 4)%by_u
     self%result(n + 5)%station = self%top
     associate (at => drive%problem%mortar%facet, columns => drive%axial_facets)
       do f = columns*(self%edge(2) - 1) + 1, columns*self%edge(2)

@@ -7,8 +7,9 @@ module hd_last_words
   use hd_facets, only: facets_t, sums_t
   use hd_joint, only: joint_t
   use hd_joint_range, only: range_warnings
+  use hd_load_path, only: path_end, operator(<)
   use hd_log, only: say, detail
-  use hd_loop, only: loop_text, loop_t, read_loop
+  use hd_loop, only: loop_text, loop_t, read_loop, readings_t
   use hd_loop_warnings, only: drive_warnings
   use hd_scene, only: scene_t
   use hd_strength, only: strength_text, strength_warnings
@@ -68,7 +69,7 @@ contains
     call push_stiffness_warnings(scene, joint, mark%certain, sums, record)
     call judge_load_path(scene, mark%step%torque, sums, record)
     if (scene%support%loop) then
-      call tell_drive(scene, mark%step%torque, sums, loop, record%band)
+      call tell_drive(scene, mark, sums, loop, record%band)
     else
       line = ' N m/rad, the tangent beside bonded faces'
       if (.not. sums%k_tangent > 0) line = ': these faces have no tangent'
@@ -92,31 +93,42 @@ contains
   end subroutine warn
 
   !> The answer of a whole drive: its readings with their band, what takes its twist at the reference step, what to quote.
-  subroutine tell_drive(scene, torque, sums, loop, band)
+  subroutine tell_drive(scene, mark, sums, loop, band)
     type(scene_t), intent(in) :: scene   !< of the run
-    real(dp), intent(in) :: torque       !< at the reference step [N m]
+    type(mark_t), intent(in) :: mark     !< where it ended; its step is the reference one
     type(sums_t), intent(in) :: sums     !< there
     type(loop_t), intent(in) :: loop     !< of the run
     type(tolerance_band_t), intent(in) :: band  !< of its readings, if they have one
     character(len=:), allocatable :: line, quote
     type(string_t), allocatable :: keys(:)
     real(dp), allocatable :: part(:)
-    integer :: i
+    character(len=9), parameter :: all_of(3) = ['K1       ', 'K1 and K2', 'K1 to K3 ']
+    type(readings_t) :: found
+    integer :: i, last
     line = loop_text(loop, scene)
     if (len(line) == 0) then
       call say('drive     no K1 to K3, for the torque does not rise')
       return
     end if
-    quote = 'variants beside each other; K1 to K3 with their band, which run.band finds'
-    if (allocated(band%input)) then
+    found = read_loop(loop, scene)
+    last = findloc(found%k > 0, .true., 1, back=.true.)
+    quote = trim(all_of(last))
+    if (mark%place < path_end(scene)) then
+      call say('drive     so far '//line)
+      quote = 'nothing of a loop that is not whole: --resume goes on'
+    else if (allocated(band%input)) then
       call say('drive     '//loop_text(loop, scene, band%bounds()))
-      call band%ranked(keys, part)
-      quote = 'K1 to K3 with these 95 % bands, made most by '//keys(1)%s//' ('//percent(part(1))//')'
+      quote = quote//' with these 95 % bands'
+      if (last > 1) then
+        call band%ranked(keys, part)
+        quote = quote//', that of K2 made most by '//keys(1)%s//' ('//percent(part(1))//')'
+      end if
     else
       call say('drive     '//line)
+      quote = 'variants beside each other; '//quote//' with their band, which run.band finds'
     end if
     if (sums%shares(1) == sums%shares(1)) then  ! else no joint: none
-      line = 'twist     the contact takes '//percent(sum(sums%shares(in_contact:)))//' at '//rounded(torque)//' N m:'
+      line = 'twist     the contact takes '//percent(sum(sums%shares(in_contact:)))//' at '//rounded(mark%step%torque)//' N m:'
       do i = in_contact, size(part_names)
         line = line//' '//trim(part_names(i))//' '//percent(sums%shares(i))//merge(',', ';', i < size(part_names))
       end do
@@ -128,7 +140,7 @@ contains
         stiffness_text(sums%k_contact)//' of the contact alone')
     end if
     call say('quote     '//quote//'; no K_TS without its fit')
-    if (allocated(band%input)) call detail('band      '//band%text(banded_values(read_loop(loop, scene), sums)))
+    if (allocated(band%input)) call detail('band      '//band%text(banded_values(found, sums)))
   end subroutine tell_drive
 
   !> A stiffness, or that there is none.
@@ -176,8 +188,10 @@ contains
     real(dp) :: real_one
     if (.not. abs(torque) > 0) return
     associate (t => sums%torque)
-      call say('torque    carried by the hub '//rounded(t%hub, torque)//', the wave generator '// &
-        rounded(t%wave_generator, torque)//', springs of the ring '//rounded(t%ring_springs, torque)//' N m')
+      line = 'the hub '//rounded(t%hub, torque)
+      if (scene%support%loop) line = 'the teeth '//rounded(torque - t%hub - t%wave_generator - t%ring_springs, torque)
+      call say('torque    carried by '//line//', the wave generator '//rounded(t%wave_generator, torque)// &
+        ', springs of the ring '//rounded(t%ring_springs, torque)//' N m')
       if (abs(t%balance) > unbalanced*abs(torque)) call push(record%warnings, rounded(abs(t%balance))//' of '// &
         to_text(torque)//' N m are out of balance: facets of formed faces do not meet. Raise mesh.divisions, or '// &
         'leave mesh.ring_divisions at 0')

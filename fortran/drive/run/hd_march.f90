@@ -90,15 +90,17 @@ contains
       if (allocated(error)) exit
       mean = mean + places(i)%state%u/size(places)
     end do
-    do i = 1, size(places)
-      if (allocated(error)) exit
-      call hand_on(run%model, places(i)%model)
-      call load_place(places(i), mean, error)
-      call leave_model(places(i), run%model)
-      call set_log_level(level)
-      if (.not. allocated(error)) call book_place(run, places(i), i, rows, error)
-      call set_log_level(quiet)
-    end do
+    if (.not. allocated(error)) then
+      do i = 1, size(places)
+        call hand_on(run%model, places(i)%model)
+        call load_place(places(i), mean, error)
+        call leave_model(places(i), run%model)
+        call set_log_level(level)
+        if (.not. allocated(error)) call book_place(run, places(i), i, rows, error)
+        if (allocated(error)) exit
+        call set_log_level(quiet)
+      end do
+    end if
     call set_log_level(level)
     call rows%close(error)
     call fit_run(run, trouble)

@@ -141,7 +141,7 @@ contains
       abs(a%tooth_phase - b%tooth_phase) > 0 .or. (a%tooth_friction > 0 .neqv. b%tooth_friction > 0))
   end function struts_move
 
-  !> Two scenes agree in every key that affects the model (and the assembly).
+  !> Two scenes agree in every key that affects the model (and the assembly), and in what the tables hold that keys name.
   logical function same_model(a, b, assembly, joint)
     type(scene_t), intent(in) :: a, b  !< scenes
     logical, intent(in) :: assembly    !< their loads up to the torque must be the same too
@@ -154,7 +154,7 @@ contains
     call new_table(first, one)
     call new_table(second, two)
     last = merge(stage_assembly, stage_model, assembly)
-    same_model = .true.
+    same_model = a%files == b%files
     do i = 1, size(one%rows)
       if (one%rows(i)%stage(a%formed(), joint) > last) cycle
       same_model = same_model .and. value_text(one%rows(i)) == value_text(two%rows(i))

@@ -488,11 +488,12 @@ contains
     if (run%writes) then
       if ((run%scene%vtu == 'last' .and. run%reference%known) .or. (allocated(run%failure) .and. run%scene%vtu /= 'none' .and. &
         run%step%number > 0)) then
-        call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
+        if (.not. allocated(error)) call write_grids(run%output, run%step, run%model%drive, run%facets, run%state, error)
       end if
       if (run%scene%contact_table == 'last' .and. run%step%number > 0 .and. .not. allocated(error)) call write_facets(run%output, &
         run%step, run%model%drive, run%facets, error)
-      call close_output(run%output, error)
+      call close_output(run%output, trouble)
+      if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
       call run%record%timers%book(in_output)
       if (run%step%number > 0) run%record%k_ts_by_model = compare_models(run%scene, run%model%drive, run%state, &
         run%step%torque, run%sums)

@@ -60,6 +60,8 @@ contains
     s%torques(1) = merge(scene%turning_torque, scene%rated_torque, abs(scene%turning_torque) > 0)
     s%torque = s%torques(1)
     s%torque_steps = 2
+    s%torque_1 = 2*abs(s%torque)  ! they stop nowhere else
+    s%torque_2 = 3*abs(s%torque)
     s%start = 'rest'
     s%turning_positions = 0
   end function turned_scene

@@ -24,7 +24,8 @@ contains
     allocate (names(0))
     do i = 1, size(table%rows)
       associate (row => table%rows(i))
-        if (row%default == defaults%rows(i)%default .or. row%group == 'geometry') cycle  ! that takes what the sections say
+        if (row%default == defaults%rows(i)%default) cycle
+        if (row%group == 'geometry' .or. row%key == 'w') cycle  ! which take what sections and table say
         if (is_idle(scene, row%group, row%key)) call push(names, row%group//'.'//row%key)
       end associate
     end do
@@ -50,7 +51,8 @@ contains
     case ('turning')
       is_idle = s%turning_positions == 0
     case ('wave_generator')
-      is_idle = (key == 'arc_angle_deg' .and. s%cam /= 'arcs') .or. (key == 'eccentricity_angle_deg' .and. .not. s%eccentricity > 0)
+      is_idle = (key == 'arc_angle_deg' .and. s%cam /= 'arcs') .or. (key == 'w' .and. s%cam == 'table') .or. &
+        (key == 'eccentricity_angle_deg' .and. .not. s%eccentricity > 0)
     case ('contact')
       is_idle = index(key, 'friction') > 0 .and. (s%bonded() .or. s%frictionless())
     case ('load')

@@ -6,6 +6,7 @@ module hd_input
   use hd_error, only: error_t, raise, code_file, code_input
   use hd_namelist, only: namelist_t, read_namelist, report, faults_text
   use hd_new_file, only: write_text
+  use hd_cam_table, only: cam_table_t, read_cam_table
   use hd_conditions, only: check_scene
   use hd_cup_sections, only: adopt_sections
   use hd_parameters, only: parameter_table_t, new_table, groups_of, keys_of, assign_words, value_text
@@ -33,6 +34,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< all mistakes in one message
     type(namelist_t) :: list
     type(parameter_table_t) :: table
+    type(cam_table_t) :: cam
     type(string_t), allocatable :: slips(:)
     logical, allocatable :: given(:)
     integer :: i
@@ -60,6 +62,11 @@ contains
     end if
     if (size(list%faults) == 0) scene%support = support_of(scene%support%name)
     if (size(list%faults) == 0) scene%surface_only = surface_alone(table)
+    if (size(list%faults) == 0 .and. .not. scene%surface_only .and. scene%cam == 'table' .and. len_trim(scene%cam_file) > 0) then
+      call read_cam_table(trim(scene%cam_file), cam, error)
+      if (allocated(error)) return
+      scene%w = cam%amplitude
+    end if
     if (size(list%faults) == 0 .and. .not. scene%surface_only) then
       call adopt_sections(scene, table, list%faults)
       if (size(list%faults) == 0) call check_scene(scene, list%faults)

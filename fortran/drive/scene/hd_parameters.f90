@@ -120,7 +120,7 @@ contains
     call add_real(t, 'wave_generator', 'arc_angle_deg', 'cam', s%arc_angle_deg, 'deg', 0._dp, 90._dp, &
       "cam 'arcs': half angle of the arcs at the ends of the long axis (45: semi-axes r + w, r - w)")
     call add_choice(t, 'wave_generator', 'cam_file', 'cam', s%cam_file, '', &
-      "cam 'table': CSV file of one turn with the columns theta_deg,radius_m; w is then not used")
+      "cam 'table': CSV file of one turn with the columns theta_deg,radius_m; w is then half the range of its radii")
     call add_choice(t, 'wave_generator', 'perimeter', 'cam', s%perimeter, 'kept curve given', &
       "length of the circle that is bent to the cam, the ring's inner face. kept: as it is, on a curve parallel to the "// &
       'profile; curve: that of the profile; given: perimeter_length')

@@ -273,28 +273,31 @@ def to_deck(run: Result) -> str:
     band = scene["geometry.band_start"], scene["geometry.band_start"] + scene["geometry.band_length"]
     for name, of in (("SLAVE", mesh.facing(1, 1)), ("MASTER", mesh.facing(2, -1, *band))):
         lines += surface_cards(name, zip(mesh.of[of], mesh.number[of]))
-    friction = scene["contact.friction"] * (scene["contact.mode"] == "frictional")
+    friction = (run.steps["friction"][steps] * (scene["contact.mode"] == "frictional")).tolist()
     bonded = scene["contact.mode"] == "bonded" or not supported(scene, "contact")
     if bonded:
         lines += ["*TIE, NAME=GLUE, POSITION TOLERANCE=0.1", "SLAVE, MASTER"]
     else:
         apart = scene["wave_generator.clearance"] or -scene["wave_generator.interference"]
-        lines += contact_cards("s2s", STIFF, friction, STICK, apart)
+        lines += contact_cards("s2s", STIFF, max(friction), STICK, apart)
     held = [(n, d) for n in sets["HUB"] for d in range(3)] + [(n, 2) for n in sets["MIDDLE"]]
     if not struts:
         held += [(n, 0) for n in sets["INSIDE"]]
         if scene["wave_generator.ring_tangent"] == "follow" or supported(scene, "friction_alone"):
             held += [(n, 1) for n in sets["INSIDE"]]
-    if not (friction or bonded):
+    if not (any(friction) or bonded):
         held += [(sets["MIDDLE"][0], 1)]
     theta = np.arctan2(mesh.points[:, 1], mesh.points[:, 0])
     along, around = (np.stack(way, 1) for way in ((np.cos(theta), np.sin(theta)), (-np.sin(theta), np.cos(theta))))
     large = ", NLGEOM" if scene["solver.kinematics"] == "nonlinear" else ""
-    for step, grid in zip(steps, read):
+    for step, grid, mu in zip(steps, read, friction):
         u = MM * grid.point_data["displacement_m"]
         way = np.stack([(u[:, :2] * along).sum(1), (u[:, :2] * around).sum(1), u[:, 2]], 1)
         force = _rim_forces(run, mesh, step)
-        lines += [f"*STEP, INC=200{large}", "*STATIC", "0.2, 1., 1e-6, 0.5", "*BOUNDARY, OP=NEW"]
+        lines += [f"*STEP, INC=200{large}", "*STATIC", "0.2, 1., 1e-6, 0.5"]
+        if not bonded and min(friction) < max(friction):
+            lines += ["*CHANGE FRICTION, INTERACTION=TOUCH", "*FRICTION", f"{mu:g}, {STICK:g}"]
+        lines += ["*BOUNDARY, OP=NEW"]
         lines += [f"{n + 1}, {d + 1}, {d + 1}, {way[n, d]:.12g}" for n, d in dict.fromkeys(held)]
         if struts:
             lines += ["STRUTS, 2, 3", "GROUND, 2, 3", "CUBE, 1, 3"]

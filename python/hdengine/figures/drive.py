@@ -32,7 +32,8 @@ def plot_loop(result: Result) -> Figure:
                   label=f"catalogue, size {loop.size}; grey: \u00b1 {100 * NEAR_CATALOGUE:.0f} %")
     axis.plot(loop.angle, loop.torque, "o-", ms=3, color=COLOURS[0], label="computed loop")
     for i, (angle, torque, text) in enumerate(loop.chords):
-        axis.plot(angle, torque, "-", color=COLOURS[1], lw=2.5, solid_capstyle="butt", label="chords" if i == 0 else None)
+        axis.plot(angle, torque, "-", color=COLOURS[1], lw=2.5, solid_capstyle="butt",
+                  label=None if i else "chords (95 % band)" if "(" in text else "chords")
         beside = loop.angle[(loop.torque > torque[0]) & (loop.torque < torque.mean())]
         axis.annotate(text, (max(angle.mean(), *beside, -np.inf), torque.mean()), (12, -14), textcoords="offset points",
                       color=COLOURS[1], fontsize=11)

@@ -36,13 +36,13 @@ def plot_record(record: Record) -> Figure:
     axes[0].set_xlabel("angle / arcmin")
     axes[0].set_ylabel("torque / N m")
     axes[0].legend()
-    for branch, colour in (("middle", "C0"), ("up", "C1"), ("down", "C2")):
-        c = record.curve(branch)
+    branches = {branch: record.curve(branch) for branch in ("middle", "up", "down")}
+    for (branch, c), colour in zip(branches.items(), ("C0", "C1", "C2")):
         axes[1].plot(c.torque_nm, c.stiffness_nm_per_rad / 1e3, color=colour, label={
             "middle": "middle", "up": "rising torque", "down": "falling torque"}[branch])
         axes[1].fill_between(c.torque_nm, c.low_nm_per_rad / 1e3, c.high_nm_per_rad / 1e3, color=colour, alpha=0.2, lw=0)
     axes[1].set_xlabel("torque / N m")
     axes[1].set_ylabel("stiffness dT/dθ / (kN m/rad)")
-    axes[1].set_ylim(0, 1.3e-3 * np.percentile(record.curve().stiffness_nm_per_rad, 99))
+    axes[1].set_ylim(0, 1.1e-3 * max(np.percentile(c.stiffness_nm_per_rad, 99) for c in branches.values()))
     axes[1].legend(title="95 % band")
     return figure

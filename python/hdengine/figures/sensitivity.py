@@ -35,16 +35,16 @@ def plot_tornado(base: float, ends: dict, ranges: dict, title: str = "", of: str
     figure, axis = new_axes(figsize=(9, 1.7 + 0.42 * len(ends)))
     for i, (key, values) in enumerate(reversed(ends.items())):
         changes = 100 * (np.array(values) / base - 1)
-        right = changes >= 0
-        if right[0] == right[1]:  # both texts on one side would cover each other: that of the shorter bar goes to the other
-            short = int(np.abs(changes[1]) < np.abs(changes[0]))
-            right[short] = not right[short]
-        for change, end, colour, away in zip(changes, ranges[key][:2], ("C0", "C1"), right):
-            axis.barh(i, change, color=colour, height=0.7)
-            place = max(change, 0) if away else min(change, 0)
+        one_side = changes.min() >= 0 or changes.max() < 0   # then the shorter bar lies on the longer one, its text inside of it
+        for j in np.argsort(-abs(changes)):
+            away = changes[j] >= 0
+            inside = one_side and abs(changes[j]) < abs(changes[1 - j])
+            axis.barh(i, changes[j], color=("C0", "C1")[j], height=0.45 if inside else 0.7)
+            end = ranges[key][j]
             text = "band" if isinstance(end, str) else f"{factors[key] * end:.4g}"
-            axis.annotate(text, (place, i), xytext=(4 if away else -4, 0), textcoords="offset points", va="center",
-                          ha="left" if away else "right", fontsize=9)
+            left = away != inside
+            axis.annotate(text, (changes[j], i), xytext=(4 if left else -4, 0), textcoords="offset points", va="center",
+                          ha="left" if left else "right", fontsize=9, color="white" if inside else "black")
     axis.set_yticks(range(len(ends)), [
         f"{name} / {unit}" if unit else name for name, unit, _ in reversed(words.values())], fontsize=11)
     axis.axvspan(-1, 1, color="0.5", alpha=0.15, lw=0)

@@ -35,7 +35,8 @@ def axes_of(result: StudyResult) -> tuple:
     numeric = [name for name in varied if all(isinstance(r.get(name), (int, float)) for r in result.rows)]
     x = figure.get("x") or (numeric or ["torque_nm"])[0]
     of_loop = [name for name in LOOP[:4] if x != "torque_nm" and any(name in r for r in result.rows)]
-    ys = figure.get("y") or of_loop or list(SHOWN)
+    tangent = any(r.get("k_ts_bonded_nm_per_rad") for r in result.rows)
+    ys = figure.get("y") or of_loop or ["k_ts_bonded_nm_per_rad" if tangent else "k_ts_nm_per_rad", *SHOWN]
     # a point that has its own torque is drawn at that alone
     steps = [] if "load.torque" in varied or set(ys) <= set(LOOP) else ["torque_nm"]
     lines = figure.get("lines") or next((name for name in [*varied, *steps] if name != x), None)
@@ -105,6 +106,8 @@ def draw(axis: Axes, result: StudyResult, x: str, y: str, lines: str | None, cho
             label_y = f"{label(y)[0]}, 95 % band"
         name = ", ".join(_name(n, v) for n, v in zip([lines, *others], [colour, *style]) if n)
         axis.plot(a[:, 0], a[:, 1], "o", ls=STYLES[j % 4] if len(a) > 1 else "none", color=ramp[i], ms=4, label=name)
+    if not places:
+        axis.locator_params(axis="x", nbins=6)
     low, high = axis.get_ylim()
     if not figure.get("relative") and high - low < NOISE * abs(low + high) / 2:  # no noise blown up to the height of the panel
         axis.set_ylim(0.99 * (low + high) / 2, 1.01 * (low + high) / 2)

@@ -283,7 +283,8 @@ def _answer_of_drive(result):
         if not k:
             continue
         low, high = (results.get(f"{keys[name]}_{side}") for side in ("low", "high"))
-        rows.append([name, f"{k / 1e3:.3g}", *([f"{low / 1e3:.3g} to {high / 1e3:.3g}" if low else "-"] if banded else []),
+        scale = 1e-3 * k / results[keys[name]]  # a band is relative: it holds of the limit too
+        rows.append([name, f"{k / 1e3:.3g}", *([f"{low * scale:.3g} to {high * scale:.3g}" if low else "-"] if banded else []),
                      *([f"{stated[name] / 1e3:.3g}", f"{k / stated[name]:.2f}"] if unit else [])])
     text += _table(head, rows)
     shares = results.get("twist_shares") or {}

@@ -358,7 +358,7 @@ def columns_of(summary: dict) -> list | None:
     figure = summary["figure"]
     if figure.get("kind") in FIGURES:
         return None
-    ys = figure.get("y") or [*LOOP[:4], *SHOWN]
+    ys = figure.get("y") or [*LOOP[:4], "k_ts_bonded_nm_per_rad", "k_ts_nm_per_rad", *SHOWN]
     return ["point", "status", "reason", "torque_nm", *summary["swept"], *(figure[k] for k in ("x", "lines") if k in figure),
             *(y + end for y in ([ys] if isinstance(ys, str) else ys) for end in ("", "_low", "_high"))]
 

@@ -5,7 +5,7 @@ from math import pi
 from .. import _engine
 
 __all__: list[str] = []
-SHOWN = ("k_ts_nm_per_rad", "pressure_max_pa", "normal_force_n")   # of a study whose figure asks for nothing else
+SHOWN = ("pressure_max_pa", "normal_force_n")   # beside K_TS, of a study whose figure asks for nothing else
 LOOP = _engine.names("loop")  # results of a whole drive's loop, readings first: in the last row of a point
 ENDS = {"": "", "_low": ", low", "_high": ", high"}  # of a 95 % band
 LABELS = {  # column: (label, unit, factor)

@@ -249,8 +249,8 @@ def _record(args):
         print(f"  {short:12s} {value:9.1f}  95 % band {low:9.1f} to {high:9.1f}  {unit}")
     for i, end in ((1, UNITS[args.size].t1_nm), (2, UNITS[args.size].t2_nm)):
         if np.isfinite(numbers[f"k{i}_nm_per_rad"][0]) and record.torque_nm.max() < end:
-            print(f"  warning: the record ends at {record.torque_nm.max():.4g} N m, below T{i} = {end:g} N m of size {args.size}: K{i} is "
-                  "the chord to there, a catalogue's is not")
+            print(f"  warning: the record ends at {record.torque_nm.max():.4g} N m, below T{i} = {end:g} N m of size {args.size}: "
+                  f"K{i} is the chord to there, a catalogue's is not")
     value, low, high = numbers["closing_rad"]
     if low * high > 0 and abs(value) > DRIFT * numbers["hysteresis_rad"][0]:
         print("  warning: the loop does not close, and hysteresis holds half of what it lacks: let the drive creep first, or take "

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Von Mises stress of both bodies against their yield strengths: the largest at a node in any booked load step, for a drive must
-!> stand its whole path, and a wall that is bent has its largest stress on its faces. What a formed flexspline keeps of being bent to its shape is not among it.
+!> stand its whole path, and a wall that is bent has its largest stress on its faces. What a formed flexspline keeps of being bent
+!> to its shape is not among it.
 module hd_strength
   use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
   use hd_kinds, only: dp

@@ -187,7 +187,7 @@ error: 'fractal_dimension' is out of range: 3.0
 error: 'ring_nu' is out of range: 0.5
   --> {f}:1:21
  1 | &material ring_nu = 0.5 /
-   |                     ^^^ valid: number > -1.0 and < 0.5
+   |                     ^^^ valid: number > -0.5 and < 0.5
 """),
     "wall_thicker_than_radius": ("&geometry wall_thickness = 20e-3 /\n", 2, """\
 error: geometry.wall_thickness = 0.02
@@ -355,6 +355,7 @@ def test_usage(exe, args, expected):
     (["load.support=bearing", "contact.mode=frictionless"], "contact.mode = 'frictionless'", "'frictional'"),
     (["contact.law=joint", "contact.mode=bonded"], "contact.law = 'joint'", "'hard'"),
     (["run.tolerance=1e-4"], "run.tolerance = 1.0e-4", "0.0066"),
+    (["wave_generator.cam=cosine", "wave_generator.lobes=24"], "mesh.divisions = 86", "at least (96)"),
     (["load.support=drive", "wave_generator.cam=cosine", "wave_generator.lobes=3"], "wave_generator.lobes = 3", "2 with teeth"),
     (["load.torque_load=teeth", "wave_generator.cam=cosine", "wave_generator.lobes=4"], "wave_generator.lobes = 4", "2 with teeth"),
     (["load.torque_load=teeth", "load.tooth_phase=0.3"], "load.tooth_phase = 0.3", "0, but with load.support = 'drive' or 'teeth'"),

@@ -248,6 +248,19 @@ def test_a_named_file_is_replaced_with_force_alone(small_run, tmp_path, capsys):
     assert main(["report", str(small_run), "--out", str(mine), "--force"]) == 0 and mine.read_text().startswith("<!")
 
 
+def test_what_runs_write_is_replaced_with_force_alone(exe, tmp_path):
+    """A file of somebody else with the name of a table stays without --force; an input with such a name is never run."""
+    words = ["mesh.divisions=16", "mesh.band_facets=3", "load.torque_steps=0", "output.vtu=none", "--out", tmp_path / "o"]
+    (tmp_path / "o").mkdir()
+    (tmp_path / "o/steps.csv").write_text("mine")
+    done = call(exe, ROOT / "data/cd14.nml", *words)
+    assert done.returncode == 3 and "holds steps.csv" in done.stderr and (tmp_path / "o/steps.csv").read_text() == "mine"
+    assert call(exe, ROOT / "data/cd14.nml", *words, "--force").returncode == 0
+    named = shutil.copy(ROOT / "data/cd14.nml", tmp_path / "history.csv")
+    done = call(exe, named, *words[:-2], "--out", tmp_path, "--force")
+    assert done.returncode == 3 and "give it another" in done.stderr and named.read_bytes() == (ROOT / "data/cd14.nml").read_bytes()
+
+
 def test_pictures_follow_no_links(small_run, tmp_path):
     """The moving picture of a report neither follows a link nor waits for a pipe, as figures do not."""
     (tmp_path / "outside").write_text("mine\n")

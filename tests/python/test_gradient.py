@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Derivatives of the results by the keys of the scene (run.gradient, Result.gradient)."""
+import json
+import signal
+import subprocess
+
 import numpy as np
 import pytest
 
@@ -47,6 +51,16 @@ def test_gradient_is_that_of_central_differences(tmp_path, scene, keys, names, m
             scale = abs(value / results[name])
             most = 2e-5 if key == "geometry.band_length" else 1e-5
             assert abs(gradient[name][key] - other[name]) * scale < most * max(1, abs(other[name]) * scale), (key, name)
+
+
+def test_a_signal_during_the_gradient_is_said(exe, tmp_path):
+    """The run is whole but for its gradient, and no script takes it for more: code 7, and how to get it."""
+    words = [exe, ROOT / "data/drive14.nml", "load.torque_steps=2", "run.band=.false.", "run.gradient=.true.", "output.vtu=none", "--out", tmp_path / "r"]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert any(" 1.000 " in line and " torque " in line and process.send_signal(signal.SIGTERM) is None for line in process.stdout)
+    _, message = process.communicate()
+    found = json.loads((tmp_path / "r/summary.json").read_text())
+    assert process.returncode == 7 and "before the gradient was found" in message and found["status"] == "interrupted", message
 
 
 @pytest.mark.parametrize(("scene", "steps"), [("drive14.nml", 4), ("drive17.nml", 10)])

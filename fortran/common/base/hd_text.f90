@@ -198,16 +198,18 @@ contains
   pure function unquoted(s) result(t)
     character(len=*), intent(in) :: s  !< as in a namelist, quoted or not
     character(len=:), allocatable :: t
-    integer :: i
+    integer :: i, n
     t = s
     if (scan(s(:min(1, len(s))), '''"') == 0) return
-    t = ''
+    n = 0
     i = 2
     do while (i < len(s))
-      t = t//s(i:i)
+      n = n + 1
+      t(n:n) = s(i:i)
       if (s(i:i + 1) == s(1:1)//s(1:1)) i = i + 1
       i = i + 1
     end do
+    t = t(:n)
   end function unquoted
 
   !> Well-formed UTF-8 (RFC 3629; surrogates are let pass).

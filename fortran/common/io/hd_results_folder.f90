@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> The folder of a run, before its writers: free or not, and without what an earlier run left. A run is told by its echo.nml, and
-!> has its summary.json as proof of its end.
+!> has its summary.json as proof of its end; files of these names that are none of its are left alone too.
 module hd_results_folder
   use hd_error, only: error_t, raise, code_file
   use hd_system, only: make_directory, path_kind, path_absent, path_directory, remove_file, remove_matching
@@ -11,17 +11,29 @@ module hd_results_folder
 
 contains
 
-  !> A folder may be used: absent, without a run, or `force`.
-  subroutine check_folder(folder, force, error)
+  !> A folder may be used: absent, without a run and files of the names of its tables, or `force`.
+  subroutine check_folder(folder, names, force, error)
     character(len=*), intent(in) :: folder            !< folder
+    character(len=*), intent(in) :: names             !< of tables, or patterns, parted by commas
     logical, intent(in) :: force                      !< replace earlier results
     type(error_t), allocatable, intent(out) :: error  !< exists already
+    character(len=:), allocatable :: what
+    type(string_t), allocatable :: name(:)
+    integer :: i
     if (path_kind(folder) == path_absent) return
     if (path_kind(folder) /= path_directory) then
       call raise(error, code_file, "'"//folder//"' is a file, not a folder: choose another with --out DIR")
-    else if (path_kind(folder//'/echo.nml') /= path_absent .and. .not. force) then
-      call raise(error, code_file, "'"//folder//"' holds an earlier run: add --force to replace it (from Python "// &
-        'force=True), or choose another folder with --out DIR (out=)')
+    else if (.not. force) then
+      name = split('echo.nml,summary.json,checkpoint.bin,'//names)
+      do i = 1, size(name)
+        if (scan(name(i)%s, '*') > 0) cycle
+        if (path_kind(folder//'/'//name(i)%s) == path_absent) cycle
+        what = 'an earlier run'
+        if (i > 1) what = name(i)%s//', a file that runs write'
+        call raise(error, code_file, "'"//folder//"' holds "//what//': add --force to replace it (from Python force=True), or '// &
+          'choose another folder with --out DIR (out=)')
+        return
+      end do
     end if
   end subroutine check_folder
 

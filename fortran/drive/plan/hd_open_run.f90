@@ -3,7 +3,7 @@
 module hd_open_run
   use hd_checkpoint, only: check_same_scene, has_checkpoint
   use hd_cost, only: check_memory
-  use hd_error, only: error_t, raise, code_input
+  use hd_error, only: error_t, raise, code_file, code_input
   use hd_input_file, only: read_text
   use hd_joint_choice, only: choose_joint
   use hd_load_path, only: place_t, operator(<), path_end
@@ -11,6 +11,7 @@ module hd_open_run
   use hd_march, only: march
   use hd_mesh_series, only: coarse, least_tolerance, meshed
   use hd_model, only: give_back
+  use hd_output, only: result_files
   use hd_planner, only: plan_t, make_plan, enter_plan
   use hd_promises, only: promise_t, promises_of, promise_text, is_field
   use hd_results_folder, only: check_folder
@@ -85,9 +86,12 @@ contains
     logical :: planned, begun
     complete = .false.
     call check_run(scene, error)
+    if (.not. allocated(error) .and. index(','//result_files//',summary.json,', ','//input(index(input, '/', back=.true.) + 1:)// &
+      ',') > 0) call raise(error, code_file, "'"//input//"' has the name of a file that runs write: give "// &
+      'it another')
     if (.not. allocated(error)) call run%lock%take(folder, error)
     if (allocated(error)) return
-    if (len(folder) > 0 .and. .not. resume) call check_folder(folder, force, error)  ! before the long work
+    if (len(folder) > 0 .and. .not. resume) call check_folder(folder, result_files, force, error)  ! before the long work
     if (.not. allocated(error)) call choose_joint(scene, error)
     planned = scene%planned_tolerance > 0
     begun = resume .and. path_kind(folder//'/echo.nml') /= path_absent
@@ -104,7 +108,8 @@ contains
         if (chosen%with_gradient == '.true.' .and. run%writes) allocate (run%gradient)  ! it stands in the summary alone
       end if
       if (.not. allocated(error)) then
-        if (resume .and. .not. begun) call say("resumed   nothing in '"//folder//"' yet: begins with the first load step")
+        if (resume .and. .not. run%record%resumed) call say("resumed   no checkpoint in '"//folder//"': begins with the first "// &
+          'load step')
         if (planned) call enter_plan(plan, run)
       end if
     end if

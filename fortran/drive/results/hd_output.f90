@@ -57,7 +57,7 @@ contains
     type(output_t), intent(out) :: output             !< open tables
     type(error_t), allocatable, intent(out) :: error  !< exists already, cannot be written
     character(len=*), parameter :: place = 'step,phase,load_factor,torque_nm'
-    call check_folder(folder, force, error)
+    call check_folder(folder, result_files, force, error)
     if (allocated(error)) return
     output%folder = folder
     allocate (output%grids(0), output%times(0))

@@ -5,7 +5,7 @@ module hd_march
   use hd_kinds, only: dp, pi
   use hd_coarse_start, only: has_coarser, coarser_scene
   use hd_drive, only: touch_teeth
-  use hd_error, only: error_t
+  use hd_error, only: error_t, code_stopped
   use hd_load_step, only: solve_step
   use hd_load_path, only: place_t, operator(<), assembled, begins, path_end, step_end
   use hd_log, only: say, set_log_level, quiet
@@ -13,6 +13,7 @@ module hd_march
   use hd_run, only: run_t, new_run, fit_run, leave_model
   use hd_section, only: band_rows
   use hd_table, only: table_t
+  use hd_system, only: stop_requested
   use hd_text, only: to_text
   use hd_timers, only: in_coarser, in_turning, outside
   use hd_turning, only: angle_of, turned_scene, open_places, book_place
@@ -79,6 +80,7 @@ contains
     call open_places(run, rows, error)
     if (allocated(error)) return
     allocate (mean(3, size(run%state%u, 2)), source=0._dp)
+    call say('turned    the drive is assembled at '//to_text(size(places))//' places, then loaded at each')
     call set_log_level(quiet, level)
     do i = 1, size(places)
       call hand_on(run%model, places(i)%model)
@@ -107,7 +109,10 @@ contains
     if (allocated(trouble) .and. .not. allocated(error)) call move_alloc(trouble, error)
     if (allocated(run%model)) run%model%solver%inner = inner
     call run%record%timers%book(in_turning)
-    if (allocated(error)) error%message = 'where the wave generator has turned by '//to_text(angle_of(run%scene, min(i, &
+    if (.not. allocated(error)) return
+    if (error%code == code_stopped) error%message = trim(merge('interrupted       ', 'stopped at a limit', stop_requested()))// &
+      ' while the wave generator turned; all load steps are kept, --resume goes on'
+    if (error%code /= code_stopped) error%message = 'where the wave generator has turned by '//to_text(angle_of(run%scene, min(i, &
       size(places)))*180/pi)//' degrees: '//error%message
   end subroutine turn_wave_generator
 

@@ -34,6 +34,7 @@ module hd_run
   use hd_strength, only: book_stress
   use hd_summary, only: derivatives_t, record_t, write_summary
   use hd_teeth, only: teeth_t, add_tooth_forces
+  use hd_system, only: stop_requested
   use hd_text, only: string_t, push, to_text
   use hd_theory_error, only: theory_on, move_tangent
   use hd_timers, only: in_checkpoint, in_fields, in_gradient, in_newton, in_output, in_setup, &
@@ -279,13 +280,19 @@ contains
   end subroutine write_tables
 
   !> Derivatives of the results of a run that is over.
-  subroutine find_gradient(run)
+  subroutine find_gradient(run, stopped)
     type(run_t), intent(inout) :: run  !< its record gets them
+    type(error_t), allocatable, intent(out) :: stopped  !< by a signal
     type(error_t), allocatable :: error
     character(len=:), allocatable :: lost
     if (.not. allocated(run%gradient) .or. allocated(run%failure)) return
     call differentiate_run(run, run%record%gradient, lost, error)
-    if (allocated(error)) then
+    if (allocated(error) .and. stop_requested()) then
+      run%record%interrupted = .true.
+      call raise(stopped, code_stopped, 'interrupted before the gradient was found: all else is whole, and '// &
+        'hdengine.load(folder).gradient() finds it')
+      run%failure = stopped
+    else if (allocated(error)) then
       call push(run%record%warnings, 'no gradient: '//error%message//'. Compare runs with the key changed')
     else if (len(lost) > 0) then
       call push(run%record%warnings, 'no gradient: not of '//lost//', which would not be in proportion to all forces and '// &
@@ -468,7 +475,7 @@ contains
     type(run_t), intent(inout) :: run                 !< run
     type(error_t), allocatable, intent(out) :: error  !< files
     logical, intent(in), optional :: interrupted      !< by a signal, between two load steps
-    type(error_t), allocatable :: trouble
+    type(error_t), allocatable :: trouble, stopped
     call run%record%timers%book(outside)
     if (present(interrupted)) run%record%interrupted = run%record%interrupted .or. interrupted
     if (run%step%number > 0) run%record%limit = run%record%shift + run%record%to_limit*promised_values(run%scene, run%sums, &
@@ -482,7 +489,7 @@ contains
     if (allocated(run%failure)) call keep_checkpoint(run, error)
     call take_reference(run)
     call run%record%timers%book(in_fields)
-    call find_gradient(run)
+    call find_gradient(run, stopped)
     call judge_results(run%scene, run%joint, run%mark_t, run%facets, run%sums, run%loop, run%record)
     call run%record%timers%book(in_fields)
     if (run%writes) then
@@ -508,6 +515,7 @@ contains
       if (.not. (allocated(error) .or. allocated(run%failure))) call drop_checkpoint(run%output%folder)
       run%writes = .false.
     end if
+    if (allocated(stopped) .and. .not. allocated(error)) call move_alloc(stopped, error)
     call run%lock%give()
   end subroutine close_run
 

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Conditions between the keys of a scene.
 module hd_conditions
-  use hd_kinds, only: dp, pi
+  use hd_kinds, only: dp, pi, hair
   use hd_cup_sections, only: has_sections
   use hd_race, only: race_radius, groove_width, deepest_groove
   use hd_scene, only: scene_t
@@ -12,6 +12,7 @@ module hd_conditions
 
   real(dp), parameter :: stretch = 0.02_dp  !< of the length of the circle on the cam: more is a wrong unit
   real(dp), parameter :: small = 0.1_dp     !< of the radius, that small displacements and fits stay below
+  integer, parameter :: least_of_lobe = 4    !< facets along a wave of the cam: with half of them it is another wave
   real(dp), parameter :: least_hub = 1e-4_dp !< of the radius, down to which the twist of the bottom is that of a plate within 0.5 %
   real(dp), parameter :: most_cells = 1e5_dp !< along the cup: ten times what mesh.wall_elements takes
   integer, parameter :: fewest_balls = 4    !< that hold the ring
@@ -41,7 +42,7 @@ contains
       s%bore_radius)
     call need(faults, s%hub_radius < s%bore_radius .or. has_sections(s), 'geometry.hub_radius', s%hub_radius, &
       'below bore_radius', s%bore_radius)
-    call need(faults, s%hub_radius >= least_hub*s%bore_radius, 'geometry.hub_radius', s%hub_radius, &
+    call need(faults, s%hub_radius >= (1 - hair)*least_hub*s%bore_radius, 'geometry.hub_radius', s%hub_radius, &
       'at least a ten-thousandth of bore_radius, for a bottom that is held at a point turns freely', least_hub*s%bore_radius)
     call need(faults, s%bottom_thickness < s%cup_length, 'geometry.bottom_thickness', s%bottom_thickness, 'below cup_length', &
       s%cup_length)
@@ -59,6 +60,8 @@ contains
       'below the inner radius of the ring', s%bore_radius - s%ring_thickness)
     call need(faults, s%cam == 'cosine' .or. s%lobes == 2, 'wave_generator.lobes', real(s%lobes, dp), &
       "cam = 'cosine' or lobes", 2._dp)
+    call need(faults, s%lobes*least_of_lobe <= s%divisions, 'mesh.divisions', real(s%divisions, dp), &
+      'enough for the waves of the cam (wave_generator.lobes): at least', real(least_of_lobe*s%lobes, dp))
     call need(faults, s%lobes == 2 .or. .not. (s%support%struts .or. s%support%against_teeth .or. s%torque_load == 'teeth'), &
       'wave_generator.lobes', real(s%lobes, dp), '2 with teeth, which are in mesh at both ends of one long axis')
     call ask(faults, (s%cam == 'table') .eqv. len_trim(s%cam_file) > 0, 'wave_generator.cam', s%cam, &

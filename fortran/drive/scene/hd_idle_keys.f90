@@ -52,6 +52,7 @@ contains
       is_idle = s%turning_positions == 0
     case ('wave_generator')
       is_idle = (key == 'arc_angle_deg' .and. s%cam /= 'arcs') .or. (key == 'w' .and. s%cam == 'table') .or. &
+        (s%support%struts .and. s%balls > 0 .and. (key == 'cone_angle_deg' .or. key == 'ring_tangent')) .or. &
         (key == 'eccentricity_angle_deg' .and. .not. s%eccentricity > 0)
     case ('contact')
       is_idle = index(key, 'friction') > 0 .and. (s%bonded() .or. s%frictionless())

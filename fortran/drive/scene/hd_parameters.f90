@@ -79,9 +79,10 @@ contains
     call tolerate(t, 0.1_dp, 'value', 'widths of thin bearings')
     call add_cup_keys(s, t)
     call add_real(t, 'material', 'flexspline_e', 'model', s%flexspline_e, 'Pa', 0._dp, big, "Young's modulus of the flexspline")
-    call add_real(t, 'material', 'flexspline_nu', 'model', s%flexspline_nu, '', -1._dp, 0.5_dp, "Poisson's ratio of the flexspline")
+    call add_real(t, 'material', 'flexspline_nu', 'model', s%flexspline_nu, '', -0.5_dp, 0.5_dp, &
+      "Poisson's ratio of the flexspline")
     call add_real(t, 'material', 'ring_e', 'model', s%ring_e, 'Pa', 0._dp, big, "Young's modulus of the ring")
-    call add_real(t, 'material', 'ring_nu', 'model', s%ring_nu, '', -1._dp, 0.5_dp, "Poisson's ratio of the ring")
+    call add_real(t, 'material', 'ring_nu', 'model', s%ring_nu, '', -0.5_dp, 0.5_dp, "Poisson's ratio of the ring")
     call add_real(t, 'material', 'yield_strength', 'joint', s%yield_strength, 'Pa', 0._dp, big, &
       'yield strength of the flexspline, the softer body; its hardness is 2.8 times that')
     call add_real(t, 'material', 'ring_yield_strength', 'load', s%ring_yield_strength, 'Pa', 0._dp, big, &
@@ -245,7 +246,7 @@ contains
     call add_choice(t, 'solver', 'symmetry', 'assembly', s%symmetry, 'auto full half quarter', &
       'part of the contact face that is solved. auto: what the scene allows in each load step; full: all; half, quarter: so '// &
       'much in the assembly (not with exact)')
-    call add_real(t, 'solver', 'tolerance', 'assembly', s%tolerance, '', 1e-14_dp, 0.1_dp, &
+    call add_real(t, 'solver', 'tolerance', 'assembly', s%tolerance, '', 1e-14_dp, 0.01_dp, &
       'relative residual of forces and contact law; with run.tolerance a thousandth of that, if it is more', closed=.true.)
     call add_integer(t, 'solver', 'max_iterations', 'assembly limit', s%max_iterations, 1, 10000, &
       'Newton iterations of one attempt at a load step')

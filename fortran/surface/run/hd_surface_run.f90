@@ -84,7 +84,7 @@ contains
     if (allocated(error)) return
     files = len_trim(scene%fit%first_file) + len_trim(scene%fit%second_file) > 0
     if (files) call read_specimens(scene%fit, s, error)
-    if (.not. allocated(error)) call check_folder(folder, force, error)
+    if (.not. allocated(error)) call check_folder(folder, stale, force, error)
     if (.not. allocated(error)) call clear_folder(folder, stale, error)
     if (.not. allocated(error)) call write_text(folder//'/echo.nml', scene%echo, error)
     if (allocated(error)) return

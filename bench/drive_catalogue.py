@@ -43,7 +43,8 @@ def run(name, keys):
         row = {"k": [short(r[f"k{i}_nm_per_rad"] / 1e3) for i in (1, 2, 3)]} | {k: short(r[name] and r[name] * scale) for k, (name, scale) in READ.items()}
         if not keys:   # as it stands
             row |= {"shares": {k: short(v) for k, v in r["twist_shares"].items()}, "cpu_s": short(command.cpu_s), "memory_mb": short(summary["peak_memory_mb"]),
-                    "von_mises_mpa": short(r["von_mises_max_pa"] / 1e6)}
+                    "cup_mpa": short(r["flexspline_von_mises_max_pa"] / 1e6),
+                    "safety": [short(r[f"{of}_yield_safety"]) for of in ("flexspline", "ring")]}
         result = load(f"{folder}/r")
         return row, (result.loop, result.steps)
 

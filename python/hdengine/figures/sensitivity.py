@@ -35,18 +35,17 @@ def plot_tornado(base: float, ends: dict, ranges: dict, title: str = "", of: str
     figure, axis = new_axes(figsize=(9, 1.7 + 0.42 * len(ends)))
     for i, (key, values) in enumerate(reversed(ends.items())):
         changes = 100 * (np.array(values) / base - 1)
-        one_side = changes.min() >= 0 or changes.max() < 0   # then the shorter bar lies on the longer one, its text inside of it
-        for j in np.argsort(-abs(changes)):
-            away = changes[j] >= 0
-            inside = one_side and abs(changes[j]) < abs(changes[1 - j])
-            axis.barh(i, changes[j], color=("C0", "C1")[j], height=0.45 if inside else 0.7)
-            end = ranges[key][j]
-            text = "band" if isinstance(end, str) else f"{factors[key] * end:.4g}"
-            left = away != inside
-            axis.annotate(text, (changes[j], i), xytext=(4 if left else -4, 0), textcoords="offset points", va="center",
-                          ha="left" if left else "right", fontsize=9, color="white" if inside else "black")
+        one_side = changes.min() >= 0 or changes.max() < 0   # then the shorter bar lies on the longer one
+        long, short = np.argsort(-abs(changes))
+        texts = ["band" if isinstance(end, str) else f"{factors[key] * end:.4g}" for end in ranges[key][:2]]
+        if one_side:
+            texts[long], texts[short] = f"{texts[long]} (inner bar: {texts[short]})", ""
+        for j in (long, short):
+            axis.barh(i, changes[j], color=("C0", "C1")[j], height=0.4 if one_side and j == short else 0.7)
+            axis.annotate(texts[j], (changes[j], i), xytext=(4 if changes[j] >= 0 else -4, 0), textcoords="offset points",
+                          va="center", ha="left" if changes[j] >= 0 else "right", fontsize=9)
     axis.set_yticks(range(len(ends)), [
-        f"{name} / {unit}" if unit else name for name, unit, _ in reversed(words.values())], fontsize=11)
+        f"{name} / {unit}" if unit else name for name, unit, _ in reversed(words.values())], fontsize=10)
     axis.axvspan(-1, 1, color="0.5", alpha=0.15, lw=0)
     axis.axvline(0, color="k", lw=0.8)
     axis.margins(x=0.15)

@@ -12,7 +12,7 @@ import zlib
 import numpy as np
 from blind_generators import LN_G, NOT_FRACTAL, clumps, field, line
 
-from common import write_part
+from common import short, write_part
 from hdengine.surfaces import roughness, specimen
 
 DX = 1e-6
@@ -33,11 +33,6 @@ def generators(name, seeds):
     return (np.random.default_rng([SEED, zlib.crc32(name.encode()), s]) for s in range(seeds))
 
 
-def short(values):
-    """Numbers of a record, without those that are none."""
-    return {k: float(f"{v:.3g}") if np.isfinite(v) else None for k, v in values.items()}
-
-
 def make(name, n, d, rng):
     """One map of a kind, or a line of 4096 points."""
     if name in LINES:
@@ -56,7 +51,7 @@ def row(name, n, d, seeds=10):
     e = np.array([f.fractal_dimension for f in fits]) - d
     return short({"bias": e.mean(), "std": e.std(ddof=1), "cover_d": np.mean([f.interval[0][0] <= d <= f.interval[0][1] for f in fits]),
                   "cover_g": np.mean([f.interval[1][0] <= np.exp(LN_G) <= f.interval[1][1] for f in fits]),
-                  "fractal": np.mean([f.verdict == "fractal" for f in fits])}) | {"maps": len(fits)}
+                  "fractal": np.mean([f.verdict == "fractal" for f in fits])}, 3) | {"maps": len(fits)}
 
 
 def maps():
@@ -133,7 +128,7 @@ def faulty(fault, d, seeds=12):
         inside.append(fit.interval[0][0] <= d <= fit.interval[0][1])
         found.append(np.mean(masked[wrong]) if wrong.any() else np.nan)
         lost += np.sum(masked & ~wrong)
-    return short({"moved": np.median(moved), "moved_most": np.max(moved), "inside": np.mean(inside), "found": np.mean(found), "lost": lost})
+    return short({"moved": np.median(moved), "moved_most": np.max(moved), "inside": np.mean(inside), "found": np.mean(found), "lost": lost}, 3)
 
 
 def faults():

@@ -17,6 +17,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
 import hdengine
@@ -94,6 +95,15 @@ def write_record(name, facts, **origin):
 def record_text(whole):
     """JSON with its innermost lists and objects on a line each."""
     return re.sub(r"([\[{])\n\s+([^\[\]{}]*?)\n\s*([\]}])", lambda m: m[1] + re.sub(r"\n\s+", " ", m[2]) + m[3], json.dumps(whole, indent=1)) + "\n"
+
+
+def short(value, digits):
+    """A number of a record to so many digits, or those of a list or a mapping; None for what is none."""
+    if isinstance(value, dict):
+        return {key: short(v, digits) for key, v in value.items()}
+    if np.ndim(value):
+        return [short(v, digits) for v in value]
+    return None if value is None or not np.isfinite(value) else float(f"{value:.{digits}g}")
 
 
 def write_part(name, part, facts, **origin):

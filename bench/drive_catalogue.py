@@ -12,7 +12,7 @@ import tempfile
 import numpy as np
 
 import hdengine
-from common import DATA, read_record, save_figure, solve, write_part
+from common import DATA, read_record, save_figure, short, solve, write_part
 from hdengine import load
 from hdengine.catalogue import UNITS, unit
 from hdengine.figures.style import new_axes, styled
@@ -28,11 +28,6 @@ READ = {"hysteresis_arcmin": ("hysteresis_rad", ARCMIN), "lost_motion_arcmin": (
         "k_ts_bonded": ("k_ts_bonded_nm_per_rad", 1e-3), "k_ts_contact": ("k_ts_contact_nm_per_rad", 1e-3)}
 
 
-def short(value):
-    """Six digits of a number, twice those that a table shows; None as it is."""
-    return value if value is None else float(f"{value:.6g}")
-
-
 def run(name, keys):
     """What a drive's loop reads [kN m/rad, minutes, MPa], and its steps."""
     with tempfile.TemporaryDirectory() as folder:
@@ -40,11 +35,11 @@ def run(name, keys):
         if command.code != 0:
             return {"failed": command.text.strip().splitlines()[0]}, None
         r = summary["results"]
-        row = {"k": [short(r[f"k{i}_nm_per_rad"] / 1e3) for i in (1, 2, 3)]} | {k: short(r[name] and r[name] * scale) for k, (name, scale) in READ.items()}
+        row = {"k": [short(r[f"k{i}_nm_per_rad"] / 1e3, 6) for i in (1, 2, 3)]} | {k: short(r[name] and r[name] * scale, 6) for k, (name, scale) in READ.items()}
         if not keys:   # as it stands
-            row |= {"shares": {k: short(v) for k, v in r["twist_shares"].items()}, "cpu_s": short(command.cpu_s), "memory_mb": short(summary["peak_memory_mb"]),
-                    "cup_mpa": short(r["flexspline_von_mises_max_pa"] / 1e6),
-                    "safety": [short(r[f"{of}_yield_safety"]) for of in ("flexspline", "ring")]}
+            row |= {"shares": {k: short(v, 6) for k, v in r["twist_shares"].items()}, "cpu_s": short(command.cpu_s, 6), "memory_mb": short(summary["peak_memory_mb"], 6),
+                    "cup_mpa": short(r["flexspline_von_mises_max_pa"] / 1e6, 6),
+                    "safety": [short(r[f"{of}_yield_safety"], 6) for of in ("flexspline", "ring")]}
         result = load(f"{folder}/r")
         return row, (result.loop, result.steps)
 
@@ -77,7 +72,7 @@ def sizes():
     for name in DRIVES:
         row, large = run(name, {})[0], run(name, {"solver.kinematics": "nonlinear"})[0]
         rows.append({"drive": name, "catalogue": [k / 1e3 for k in CATALOGUE[name]] if name in CATALOGUE else None} | row
-                    | {"large": [short(b / a) for a, b in zip(row["k"], large["k"])]})
+                    | {"large": [short(b / a, 6) for a, b in zip(row["k"], large["k"])]})
     return rows
 
 
@@ -88,8 +83,8 @@ def bands():
         with tempfile.TemporaryDirectory() as folder:
             r = solve(f"drive{name}.nml", "run.band=auto", out=f"{folder}/r")[0]["results"]
             shares = sorted(r["band_shares"].items(), key=lambda item: -item[1])[:3]
-            rows.append({"drive": name, "catalogue": [k / 1e3 for k in CATALOGUE[name]], "shares": {k: short(v) for k, v in shares},
-                         **{end: [short(r[f"k{i}_nm_per_rad_{end}"] / 1e3) for i in (1, 2, 3)] for end in ("low", "high")}})
+            rows.append({"drive": name, "catalogue": [k / 1e3 for k in CATALOGUE[name]], "shares": {k: short(v, 6) for k, v in shares},
+                         **{end: [short(r[f"k{i}_nm_per_rad_{end}"] / 1e3, 6) for i in (1, 2, 3)] for end in ("low", "high")}})
     return rows
 
 
@@ -100,8 +95,8 @@ def slopes():
         row, (loop, steps) = run("20", {**keys, "load.torque": 50, "load.torque_steps": 20, "load.tangent_steps": "all"})
         torque, angle = (np.array(loop[k])[[-22, *range(-20, 0)]] for k in ("torque_nm", "angle_rad"))  # no stop at 4 % of the rated torque
         k_ts = np.array(steps["k_ts_bonded_nm_per_rad"][-20:])
-        rows.append({"fit": label, "torque_nm": [short(t) for t in torque], "slope": [short(s) for s in np.diff(torque) / np.diff(angle) / 1e3],
-                     "k_ts_bonded": [short(k / 1e3) if np.isfinite(k) else None for k in k_ts]})
+        rows.append({"fit": label, "torque_nm": [short(t, 6) for t in torque], "slope": [short(s, 6) for s in np.diff(torque) / np.diff(angle) / 1e3],
+                     "k_ts_bonded": [short(k / 1e3, 6) if np.isfinite(k) else None for k in k_ts]})
     return rows
 
 
@@ -124,7 +119,7 @@ def kin():
     for size, ratio in itertools.product(UNITS, (100, 50)):
         with tempfile.TemporaryDirectory() as folder:
             r = hdengine.run("", folder + "/r", **hdengine.as_built(size, ratio, run={"band": False}))
-        rows.append({"size": size, "ratio": ratio, "k": [short(k / 1e3) for k in (r.k1, r.k2, r.k3)], "catalogue": list(unit(size, ratio).slopes / 1e3)})
+        rows.append({"size": size, "ratio": ratio, "k": [short(k / 1e3, 6) for k in (r.k1, r.k2, r.k3)], "catalogue": list(unit(size, ratio).slopes / 1e3)})
     return rows
 
 

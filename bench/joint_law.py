@@ -16,7 +16,7 @@ import sys
 
 import numpy as np
 
-from common import new_axes, read_record, save_figure, styled, write_part, write_record
+from common import new_axes, read_record, save_figure, short, styled, write_part, write_record
 from hdengine.elastic import moduli, stiffness_from_spectrum
 from hdengine.prediction.choice import CLOSING, TRUST, half_width_of, scatter_of
 from hdengine.prediction.half_space import HalfSpace, corrected_area, mirrored, stiffness_on_map, tamaas
@@ -98,11 +98,6 @@ def boundary_elements(z, pressure):
     return np.array(rows).T
 
 
-def short(values, digits=4):
-    """Numbers of a record."""
-    return [float(f"{x:.{digits}g}") for x in values]
-
-
 def made(n, hurst, roll_off, shortest, seed, longest, skewness, plateau):
     """A map of its numbers."""
     z = rough(n, hurst, roll_off, shortest, seed, longest)
@@ -137,7 +132,7 @@ def solved(numbers, shares=WHOLE):
             break
         gap = space._displacement_of(traction) - z
         found.append((space.normal_stiffness(traction > 0), corrected_area(traction > 0), gap.mean() - gap[traction > 0].mean()))
-    row = {"map": dict(zip(KEYS, numbers))} | {k: short(v) for k, v in zip(("p", "k", "contact", "gap"), (p[:len(found)], *np.transpose(found)))}
+    row = {"map": dict(zip(KEYS, numbers))} | {k: short(v, 4) for k, v in zip(("p", "k", "contact", "gap"), (p[:len(found)], *np.transpose(found)))}
     print(row, flush=True)
     return row
 
@@ -195,7 +190,7 @@ def rule_row(rows):
     off = np.concatenate([np.exp(np.array(r["ln_error"])[r["theory"]]) - 1 for r in rows])
     scatter = [np.std([r["ln_error"][i] for r in rows if (r["fractal_dimension"], r["kind"]) == alike], ddof=1)
                for alike in dict.fromkeys((r["fractal_dimension"], r["kind"]) for r in rows) for i in range(4)]
-    return {**dict(zip(("least_scatter", "most_scatter"), short([min(scatter), max(scatter)]))), "taken": len(off), "of": sum(len(r["theory"]) for r in rows),
+    return {**dict(zip(("least_scatter", "most_scatter"), short([min(scatter), max(scatter)], 4))), "taken": len(off), "of": sum(len(r["theory"]) for r in rows),
             **{f"within_{x}_percent": int((abs(off) < x / 100).sum()) for x in (25, 10)}, "largest_error": float(f"{abs(off).max():.4g}")}
 
 

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from common import write_record
+from common import short, write_record
 from hdengine import _engine
 from hdengine.elastic import moduli
 
@@ -62,11 +62,6 @@ def beam():
     return p, np.exp(np.interp(np.log(p), np.log(pressure), np.log(stiffness))), law({"roughness_um": 6e6 * deviation, "of": "R_max", "kind": "steel"}, p)
 
 
-def short(values):
-    """Three digits."""
-    return [float(f"{x:.3g}") for x in values]
-
-
 def main():
     """Every set of joints, at the ends of its pressures."""
     rows = []
@@ -74,10 +69,10 @@ def main():
         p, joints = measured(case)
         mean, spread = np.exp(np.log(joints).mean(0)) / law(case, p), np.max(joints, axis=0) / np.min(joints, axis=0)
         ends = {"pressure_pa": p[[0, -1]], "mean_over_law": mean[[0, -1]], "spread": [spread.min(), spread.max()]}
-        rows.append({"joint": case["name"], "source": case["source"], "joints": len(joints)} | {k: short(v) for k, v in ends.items()})
+        rows.append({"joint": case["name"], "source": case["source"], "joints": len(joints)} | {k: short(v, 3) for k, v in ends.items()})
     p, asperities, theory = beam()
-    rows.append({"joint": BEAM["joint"], "source": BEAM["source"], "joints": 1, "pressure_pa": short(p), "mean_over_law": short(asperities / theory),
-                 "spread": [1.0, 1.0], "shear_stiffness_pa_per_m": short(asperities * (2 - 2 * BEAM["ratio"]) / (2 - BEAM["ratio"]))})
+    rows.append({"joint": BEAM["joint"], "source": BEAM["source"], "joints": 1, "pressure_pa": short(p, 3), "mean_over_law": short(asperities / theory, 3),
+                 "spread": [1.0, 1.0], "shear_stiffness_pa_per_m": short(asperities * (2 - 2 * BEAM["ratio"]) / (2 - BEAM["ratio"]), 3)})
     print(*rows, sep="\n")
     write_record("joint_measured", {"book": "Y. Ito, Modular Design for Machine Tools, McGraw-Hill 2008", "rows": rows})
 

@@ -10,7 +10,7 @@ import sys
 import numpy as np
 from joint_law import E_STAR, RATIO, lattice, pressures, rough, scaled
 
-from common import write_record
+from common import short, write_record
 from hdengine.elastic import ElasticJoint, stiffness_from_spectrum
 from hdengine.prediction.half_space import HalfSpace, corrected_area, tamaas
 from hdengine.prediction.shear import Slider
@@ -20,11 +20,6 @@ SURFACES = ((2.2, 21, 11), (2.5, 21, 12), (2.5, 128, 13), (2.8, 21, 14))   # D, 
 LOADING = np.array([0.1, 0.25, 0.45, 0.7, 1.0, 1.4])           # displacements over that of full slip by k_T without slip
 LOOP = np.array([0.8, 0.4, 0.0, -0.4, -0.8, -1.0, -0.6, -0.2, 0.2, 0.6, 1.0])   # over the one of the reversal
 TURN = 0.5                                                      # the reversal over the end of the loading
-
-
-def short(x):
-    """Five digits."""
-    return float(f"{x:.5g}")
 
 
 def walk(space, pressure, load, path):
@@ -68,12 +63,12 @@ def patches(surfaces):
             turn = TURN * path[-1]
             back = turn * LOOP
             q, loop = walk(space, pressure, load, path), walk(space, pressure, load, [turn, *back])[1:]
-            row = {"surface": f"D {d}, {'roll-off' if roll_off < 128 else 'no roll-off'}", "contact": short(corrected_area(touching)),
-                   "k_t_over_k_n": short((k_t + across) / 2 / k_n)}
+            row = {"surface": f"D {d}, {'roll-off' if roll_off < 128 else 'no roll-off'}", "contact": short(corrected_area(touching), 5),
+                   "k_t_over_k_n": short((k_t + across) / 2 / k_n, 5)}
             for name, joint in laws.items():
                 def by(u, joint=joint, load=load):
                     return joint.shear(load, u)[0] / (FRICTION * load)
-                row |= {f"{name}_curve_error": short(abs(by(path) - q).max()), f"{name}_loop_error": short(abs(masing(by, turn, back) - loop).max())}
+                row |= {f"{name}_curve_error": short(abs(by(path) - q).max(), 5), f"{name}_loop_error": short(abs(masing(by, turn, back) - loop).max(), 5)}
             rows.append(row)
             print(row, flush=True)
     return rows

@@ -11,7 +11,7 @@ import tempfile
 
 import numpy as np
 
-from common import solve, write_part
+from common import short, solve, write_part
 from hdengine import Involute, load, paper, tooth_gaps
 
 W = (0.195e-3, 0.2e-3, 0.205e-3, 0.21e-3, 0.215e-3)
@@ -81,13 +81,8 @@ def judge(over_w, moved):
         trends = {"torque": paper.judge_trend([stated], [rise]) != "does not agree",
                   "eccentricity": paper.judge_trend(paper.STATED["eccentricity_percent"], fall) != "does not agree",
                   "w": bool(np.all(np.isfinite(over_w)) and np.all((top > 0) & (top < len(W) - 1)) and np.all(gain > 0.5))}
-    return dict(zip(("rise_percent", "fall_percent", "gain_percent"), short([rise, fall[2], gain[2]]))) | {
+    return dict(zip(("rise_percent", "fall_percent", "gain_percent"), short([rise, fall[2], gain[2]], 4))) | {
         "trends": " ".join(name for name, given in trends.items() if given)}
-
-
-def short(values):
-    """Numbers of a record; none for what was not solved."""
-    return [float(f"{v:.4g}") if np.isfinite(v) else None for v in values]
 
 
 def explore(keys):
@@ -96,7 +91,7 @@ def explore(keys):
     x2 = with_teeth(keys)[1] if keys.pop("made", None) else None
     *found, moved = (solved(with_teeth(at, x2)[0] if x2 else at) for at in (
         *({**keys, "wave_generator.w": w} for w in W), {**keys, "wave_generator.eccentricity": 10e-6}))
-    return {**{f"{name}_nm_per_rad": short(found[W.index(0.2e-3)][name]) for name in READINGS},
+    return {"bonded_nm_per_rad": short(found[W.index(0.2e-3)]["bonded"], 4),
             **{name: judge(np.array([f[name] for f in found]), np.array(moved[name])) for name in READINGS}}
 
 

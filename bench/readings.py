@@ -11,7 +11,7 @@ import tempfile
 import numpy as np
 
 import hdengine
-from common import DATA, solve, write_part
+from common import DATA, short, solve, write_part
 
 VARIED = {"as it is": {}, "e = 10 µm": {"wave_generator.eccentricity": 10e-6}, "µ = 0.05": {"contact.friction": 0.05}, "µ = 0.3": {"contact.friction": 0.3}}
 KEPT = ("k_ts_nm_per_rad", "k_ts_bonded_nm_per_rad", "k_ts_secant_nm_per_rad", "k_fe_secant_nm_per_rad", "slip_share_k_ts", "pressure_max_pa",
@@ -21,9 +21,9 @@ COARSE = {"divisions": 48, "band_facets": 8}
 W, WALL, TORQUES = (0.05e-3, 0.1e-3, 0.2e-3, 0.3e-3), (0.25e-3, 0.36e-3, 0.6e-3), (2.5, 5.0, 10.0)
 
 
-def short(sums):
+def kept(sums):
     """What a record keeps of the sums of a step."""
-    return {name: float(f"{sums[name]:.5g}") for name in KEPT if name in sums}
+    return short({name: sums[name] for name in KEPT if name in sums}, 5)
 
 
 def eq45(sums):
@@ -34,14 +34,14 @@ def eq45(sums):
 def last(scene="cd14.nml", **keys):
     """Sums of the last step."""
     with hdengine.Run(DATA / scene, **keys) as run:
-        return short([*run][-1].sums)
+        return kept([*run][-1].sums)
 
 
 def frictions():
     """Friction and eccentricity at three torques, by the paper's joint too."""
     def steps(scene, **keys):
         with hdengine.Run(DATA / scene, **{"load.torque": 20.0, "load.torque_steps": 20}, **keys) as run:
-            return {round(s.sums["torque_nm"], 6): short(s.sums) for s in run}
+            return {round(s.sums["torque_nm"], 6): kept(s.sums) for s in run}
     found = {what: (steps("cd14.nml", **keys), steps("paper.nml", **PAPER, **keys)) for what, keys in VARIED.items()}
     return {f"CD-14-100, {what}, {torque:g} N m": ours[torque] | {"paper": eq45(paper[torque])} for what, (ours, paper) in found.items() for torque in (1.0, 5.0, 20.0)}
 

@@ -479,7 +479,8 @@ class Result:
                             f"{share.min():.1f} to {share.max():.1f} %"
         else:
             k = r["k_ts_bonded_nm_per_rad"]
-            stiffness = "K_TS none: these faces have no tangent"
+            whole = self.summary["status"] == "complete"
+            stiffness = "K_TS none: " + ("these faces have no tangent" if whole else "the run ended early")
             if k is not None:
                 stiffness = f"K_TS {_number(k)} N m/rad, the tangent beside bonded faces"
         lines = [

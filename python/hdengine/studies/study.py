@@ -553,7 +553,7 @@ class StudyResult:
 
     def __repr__(self) -> str:
         s = self.summary
-        lines = [f"{s['title']}: {s['status']}", f"  {s['done']} of {s['points']} points, {s['failed']} failed, "
+        lines = [f"{s['title'] or 'study'}: {s['status']}", f"  {s['done']} of {s['points']} points, {s['failed']} failed, "
                  f"{len(self.rows)} rows over {', '.join(s['swept']) or 'torque'}"]
         lines += [f"  point {r['point']} failed: {str(r['reason']).splitlines()[0]}" for r in self.failures[:8]]
         return "\n".join(lines + ([f"  and {len(self.failures) - 8} more, see study.csv"] if len(self.failures) > 8 else []))

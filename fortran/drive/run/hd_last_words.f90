@@ -112,7 +112,7 @@ contains
     end if
     found = read_loop(loop, scene)
     last = findloc(found%k > 0, .true., 1, back=.true.)
-    quote = trim(all_of(last))
+    quote = trim(all_of(max(1, last)))
     if (mark%place < path_end(scene)) then
       call say('drive     so far '//line)
       quote = 'nothing of a loop that is not whole: --resume goes on'

@@ -38,8 +38,7 @@ def run(name, keys):
         row = {"k": [short(r[f"k{i}_nm_per_rad"] / 1e3, 6) for i in (1, 2, 3)]} | {k: short(r[name] and r[name] * scale, 6) for k, (name, scale) in READ.items()}
         if not keys:   # as it stands
             row |= {"shares": {k: short(v, 6) for k, v in r["twist_shares"].items()}, "cpu_s": short(command.cpu_s, 6), "memory_mb": short(summary["peak_memory_mb"], 6),
-                    "cup_mpa": short(r["flexspline_von_mises_max_pa"] / 1e6, 6),
-                    "safety": [short(r[f"{of}_yield_safety"], 6) for of in ("flexspline", "ring")]}
+                    "cup_mpa": short(r["flexspline_von_mises_max_pa"] / 1e6, 6), "cup_safety": short(r["flexspline_yield_safety"], 6)}
         result = load(f"{folder}/r")
         return row, (result.loop, result.steps)
 

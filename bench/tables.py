@@ -195,9 +195,9 @@ def drive_sizes():
     """Shipped drives beside the catalogue."""
     def cubes(r):
         return ", ".join(f"{1e3 * k[2] / int(r['drive'][:2])**3:.2f}" for k in (r["k"], r["catalogue"]) if k)
-    return ("drive", "K1 / K2 / K3, kN m/rad", "over catalogue's", "K2/K1, K3/K1 over", "K3/size³", "hysteresis, lost motion", "cup / MPa, safety; ring's", "CPU s", "large"), [
+    return ("drive", "K1 / K2 / K3, kN m/rad", "over catalogue's", "K2/K1, K3/K1 over", "K3/size³", "hysteresis, lost motion", "cup / MPa", "CPU s", "large"), [
         (r["drive"].replace("_", "-"), triple(r["k"], "{:.3g}"), *(over(r, r["catalogue"]) if r["catalogue"] else ("-", "-")), cubes(r),
-         f"{r['hysteresis_arcmin']:.2f}', {r['lost_motion_arcmin']:.2f}'", f"{r['cup_mpa']:.0f}, {r['safety'][0]:.1f}; {r['safety'][1]:.1f}", f"{r['cpu_s']:.1f}",
+         f"{r['hysteresis_arcmin']:.2f}', {r['lost_motion_arcmin']:.2f}'", f"{r['cup_mpa']:.0f} ({r['cup_safety']:.1f})", f"{r['cpu_s']:.1f}",
          triple(r["large"], "{:.2f}")) for r in drive_rows()]
 
 

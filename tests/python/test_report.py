@@ -417,4 +417,4 @@ def test_tornado_in_words(folder):
 
     figure = plot_tornado(1e6, {"wave_generator.w": (0.9e6, 1.1e6)}, {"wave_generator.w": (0.195e-3, 0.215e-3)})
     texts = [t.get_text() for t in figure.axes[0].texts]
-    assert texts == ["0.195", "0.215"] and figure.axes[0].get_yticklabels()[0].get_text() == "radial deformation w / mm"
+    assert sorted(texts) == ["0.195", "0.215"] and figure.axes[0].get_yticklabels()[0].get_text() == "radial deformation w / mm"

@@ -15,7 +15,7 @@ contains
     type(scene_t), intent(inout), target :: s  !< scene
     type(parameter_table_t), intent(inout) :: t          !< table
     real(dp), parameter :: big = huge(1._dp)
-    call add_integer(t, 'bearing', 'balls', 'model', s%balls, 0, 100, &
+    call add_integer(t, 'bearing', 'balls', 'model', s%balls, 0, 200, &
       "balls of the flexible bearing, with support 'drive'; 0: none, the wave generator is rigid or stands on "// &
       'wave_generator.ball_stiffness')
     call add_choice(t, 'bearing', 'model', 'model', s%bearing_model, 'auto given', &

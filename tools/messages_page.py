@@ -29,6 +29,7 @@ ADVICE = {  # what to do, where the message says no more
     "linear_solver": "Hold the body: check `load.support` and `contact.mode`.",
     "memory": "Take a coarser mesh, or raise `mesh.memory_limit_mb`.",
     "stopped": "The same again with `--resume`."}
+MARKS = re.findall(r"warning_t\('(.*?)', ", (ROOT / "fortran/drive/scene/hd_warning_list.f90").read_text())  # of warnings, by number
 WARNING_LISTS = ("lines", "plan%warnings", "record%warnings", "run%record%warnings")
 HEAD = """# Which warning means what: warnings and errors
 
@@ -38,7 +39,7 @@ Python raises the exception of the same row, derived from `HdengineError`. Load 
 """
 TAIL = f"""
 All mistakes of an input are shown at once, each with its line, the value seen and the nearest valid name; `--check` shows them without a run, `--explain KEY` what a key means.
-In the lists below {VALUE} stands for what is known at run time alone, ‹this / that› for one of them.
+Warnings come by their number (W1), with which the log ends them. In the lists below {VALUE} stands for what is known at run time alone, ‹this / that› for one of them.
 """
 
 
@@ -161,11 +162,17 @@ def page():
     text = f"{HEAD}| code | exception | what happened | what to do, where the message says no more |\n|---|---|---|---|\n"
     text += f'| 0 | | done; `"status": "complete"` in `summary.json` | Read the warnings. |\n{rows}{TAIL}'
     titles = {"warning": "Warnings"} | {kind: f"Code {code}: {what}" for kind, (code, _, what) in CODES.items()}
-    found = messages()
+    found = sorted(messages(), key=lambda m: number(m.text) if m.kind == "warning" else 0)
     for kind in ("warning", "not_converged", "linear_solver", "memory", "stopped", "file", "internal", "input"):
-        lines = "".join(f"- {marked(m.text)}\n" for m in found if m.kind == kind)
+        lines = "".join(f"- {f'W{number(m.text)} ' if kind == 'warning' and number(m.text) <= len(MARKS) else ''}{marked(m.text)}\n"
+                        for m in found if m.kind == kind)
         text += f"\n## {titles[kind]}\n\n{lines}"
     return text
+
+
+def number(text):
+    """Number of a warning, as the log ends it; one more than there are: none."""
+    return next((i for i, mark in enumerate(MARKS, 1) if mark.rstrip() in text), len(MARKS) + 1)
 
 
 def marked(text):

@@ -348,6 +348,12 @@ def test_usage(exe, args, expected):
         assert done.stderr == expected
 
 
+def test_a_ring_that_no_ball_carries_is_named(exe, tmp_path):
+    """A round cam leaves the ring loose among its balls: the error says which keys make them carry."""
+    done = call(exe, ROOT / "data/drive14.nml", "mesh.divisions=24", "mesh.band_facets=4", "wave_generator.w=0", "--out", tmp_path / "o")
+    assert done.returncode == 5 and "lower bearing.clearance or raise wave_generator.w" in done.stderr
+
+
 @pytest.mark.parametrize("keys, named, way_out", [
     (["wave_generator.cam=table"], "wave_generator.cam = 'table'", "wave_generator.cam_file"),
     (["load.support=drive", "wave_generator.ring_contact=unilateral"], "wave_generator.ring_contact = 'unilateral'", "'tied'"),

@@ -5,7 +5,7 @@ module hd_march
   use hd_kinds, only: dp, pi
   use hd_coarse_start, only: has_coarser, coarser_scene
   use hd_drive, only: touch_teeth
-  use hd_error, only: error_t, code_stopped
+  use hd_error, only: error_t, code_linear_solver, code_stopped
   use hd_load_step, only: solve_step
   use hd_load_path, only: place_t, operator(<), assembled, begins, path_end, step_end
   use hd_log, only: say, set_log_level, quiet
@@ -39,7 +39,10 @@ contains
     end do
     if (.not. (allocated(error) .or. allocated(run%loop%turned_angle) .or. run%scene%turning_positions == 0 .or. &
       run%place < path_end(run%scene))) call turn_wave_generator(run, error)
-    if (allocated(error)) run%failure = error
+    if (.not. allocated(error)) return
+    if (error%code == code_linear_solver .and. run%scene%support%struts .and. run%scene%balls > 0) error%message = error%message// &
+      '. Where no ball carries the ring, lower bearing.clearance or raise wave_generator.w'
+    run%failure = error
   end subroutine march
 
   !> Solve the same run as far as the first torque on a mesh of half as many facets either way; what ends that early ends only that.

@@ -9,7 +9,7 @@ module hd_input_file
   private
   public :: open_input, read_text, next_line, line_count
 
-  integer(int64), parameter :: most_bytes = 2_int64**30  !< of a text
+  integer(int64), parameter, public :: most_bytes = 2_int64**30  !< of a text
 
 contains
 

@@ -4,6 +4,7 @@ module hd_input
   use, intrinsic :: iso_fortran_env, only: int64
   use hd_checksum, only: checksum, file_checksum, hexadecimal, whole
   use hd_error, only: error_t, raise, code_file, code_input
+  use hd_input_file, only: most_bytes
   use hd_namelist, only: namelist_t, read_namelist, report, faults_text
   use hd_new_file, only: write_text
   use hd_cam_table, only: cam_table_t, read_cam_table
@@ -84,11 +85,13 @@ contains
   !> Checksum of what files hold; a name without a file counts for nothing.
   integer(int64) function sum_of_files(names) result(sum)
     character(len=*), intent(in) :: names(:)  !< files, '' for none
-    integer(int64) :: one
+    integer(int64) :: bytes, one
     integer :: i, status
     sum = 0
     do i = 1, size(names)
       if (len_trim(names(i)) == 0) cycle
+      inquire (file=trim(names(i)), size=bytes)
+      if (bytes > most_bytes) cycle  ! its reader refuses it
       call file_checksum(trim(names(i)), whole, one, status)
       if (status == 0) sum = checksum(hexadecimal(one), sum)
     end do

@@ -304,8 +304,8 @@ def test_a_plan_takes_up_no_trials_of_other_tables(exe, tmp_path):
         (tmp_path / "k.csv").write_text(f"pressure_pa,k_n_pa_per_m\n1e6,{k / 50}\n1e8,{k}\n")
         assert call(exe, CD14, *words, tmp_path / name).returncode == 0
         found[name] = json.loads((tmp_path / name / "summary.json").read_text())["plan"]
+    (tmp_path / "cut").mkdir()
     for name in ("plan.nml", "plan.csv"):
-        (tmp_path / "cut").mkdir(exist_ok=True)
         shutil.copy(tmp_path / "stiff" / name, tmp_path / "cut")
     assert call(exe, CD14, *words, tmp_path / "cut", "--resume").returncode == 0
     cut = json.loads((tmp_path / "cut/summary.json").read_text())["plan"]

@@ -7,9 +7,23 @@ module hd_results_folder
   use hd_text, only: string_t, split
   implicit none
   private
-  public :: check_folder, clear_folder
+  public :: check_input, check_folder, clear_folder
 
 contains
+
+  !> An input has no name of a file that runs write: its own run might overwrite it.
+  subroutine check_input(input, names, error)
+    character(len=*), intent(in) :: input             !< file
+    character(len=*), intent(in) :: names             !< of tables, or patterns, parted by commas
+    type(error_t), allocatable, intent(out) :: error  !< it has
+    type(string_t), allocatable :: name(:)
+    integer :: i
+    name = split('summary.json,'//names)
+    do i = 1, size(name)
+      if (input(index(input, '/', back=.true.) + 1:) == name(i)%s) call raise(error, code_file, "'"//input//"' has the name of "// &
+        'a file that runs write: give it another')
+    end do
+  end subroutine check_input
 
   !> A folder may be used: absent, without a run and files of the names of its tables, or `force`.
   subroutine check_folder(folder, names, force, error)

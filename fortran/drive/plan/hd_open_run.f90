@@ -3,7 +3,7 @@
 module hd_open_run
   use hd_checkpoint, only: check_same_scene, has_checkpoint
   use hd_cost, only: check_memory
-  use hd_error, only: error_t, raise, code_file, code_input
+  use hd_error, only: error_t, raise, code_input
   use hd_input_file, only: read_text
   use hd_joint_choice, only: choose_joint
   use hd_load_path, only: place_t, operator(<), path_end
@@ -14,7 +14,7 @@ module hd_open_run
   use hd_output, only: result_files
   use hd_planner, only: plan_t, make_plan, enter_plan
   use hd_promises, only: promise_t, promises_of, promise_text, is_field
-  use hd_results_folder, only: check_folder
+  use hd_results_folder, only: check_input, check_folder
   use hd_run, only: run_t, new_run, restore_run, close_run
   use hd_scene, only: scene_t
   use hd_summary, only: record_t
@@ -86,9 +86,7 @@ contains
     logical :: planned, begun
     complete = .false.
     call check_run(scene, error)
-    if (.not. allocated(error) .and. index(','//result_files//',summary.json,', ','//input(index(input, '/', back=.true.) + 1:)// &
-      ',') > 0) call raise(error, code_file, "'"//input//"' has the name of a file that runs write: give "// &
-      'it another')
+    if (.not. allocated(error)) call check_input(input, result_files, error)
     if (.not. allocated(error)) call run%lock%take(folder, error)
     if (allocated(error)) return
     if (len(folder) > 0 .and. .not. resume) call check_folder(folder, result_files, force, error)  ! before the long work

@@ -113,10 +113,13 @@ contains
     if (allocated(run%model)) run%model%solver%inner = inner
     call run%record%timers%book(in_turning)
     if (.not. allocated(error)) return
-    if (error%code == code_stopped) error%message = trim(merge('interrupted       ', 'stopped at a limit', stop_requested()))// &
-      ' while the wave generator turned; all load steps are kept, --resume goes on'
-    if (error%code /= code_stopped) error%message = 'where the wave generator has turned by '//to_text(angle_of(run%scene, min(i, &
-      size(places)))*180/pi)//' degrees: '//error%message
+    if (error%code == code_stopped) then
+      error%message = trim(merge('interrupted       ', 'stopped at a limit', stop_requested()))// &
+        ' while the wave generator turned; all load steps are kept, --resume goes on'
+    else
+      error%message = 'where the wave generator has turned by '//to_text(angle_of(run%scene, min(i, size(places)))*180/pi)// &
+        ' degrees: '//error%message
+    end if
   end subroutine turn_wave_generator
 
   !> Torque on an assembled place. Its teeth have the gaps of the mean assembly: the circular spline knows no balls.

@@ -12,7 +12,7 @@ module hd_surface_run
   use hd_memory, only: peak_memory_mb
   use hd_new_file, only: write_text
   use hd_npy, only: write_npy
-  use hd_results_folder, only: check_folder, clear_folder
+  use hd_results_folder, only: check_input, check_folder, clear_folder
   use hd_surface_scene, only: surface_t, surface_scene_t
   use hd_structure_function, only: structure_line
   use hd_table, only: table_t
@@ -84,6 +84,7 @@ contains
     if (allocated(error)) return
     files = len_trim(scene%fit%first_file) + len_trim(scene%fit%second_file) > 0
     if (files) call read_specimens(scene%fit, s, error)
+    if (.not. allocated(error)) call check_input(input, stale, error)
     if (.not. allocated(error)) call check_folder(folder, stale, force, error)
     if (.not. allocated(error)) call clear_folder(folder, stale, error)
     if (.not. allocated(error)) call write_text(folder//'/echo.nml', scene%echo, error)

@@ -6,11 +6,11 @@ module hd_vector
   implicit none
   private
   public :: cross, dot, largest, length, part_lengths, weighted_length, set, add, add_columns, product_of, &
-    orthogonalise, many
+    orthogonalise, many, thread_share
 
   integer, parameter :: many = 40000     !< numbers from which two threads are worth waking
-  integer, parameter :: block = 10000    !< summed one behind the other
-  integer, parameter :: short = 4096     !< the same where many vectors are summed at once: what a cache holds
+  integer, parameter :: block = 1024     !< summed one behind the other: threads share what a face has, and a cache holds many
+  integer, parameter :: thread_share = 128  !< points of a thread's turn, where those that press lie together
 
 contains
 
@@ -82,12 +82,12 @@ contains
     real(dp), intent(in) :: a(:, :)            !< vectors (3, n)
     logical, intent(in) :: mask(:, :)          !< (3, n)
     real(dp), intent(out) :: inside, outside
-    real(dp) :: part(2, (size(a, 2) + short - 1)/short)
+    real(dp) :: part(2, (size(a, 2) + block - 1)/block)
     integer :: i, j
     !$omp parallel do schedule(static) private(j) if(size(a) > many)
     do i = 1, size(part, 2)
       part(:, i) = 0
-      do j = short*(i - 1) + 1, min(short*i, size(a, 2))
+      do j = block*(i - 1) + 1, min(block*i, size(a, 2))
         part(1, i) = part(1, i) + sum(merge(a(:, j)**2, 0._dp, mask(:, j)))
         part(2, i) = part(2, i) + sum(merge(0._dp, a(:, j)**2, mask(:, j)))
       end do
@@ -101,12 +101,12 @@ contains
   real(dp) function weighted_length(weight, a)
     real(dp), intent(in) :: weight(:)   !< (n)
     real(dp), intent(in) :: a(:, :)     !< vectors (3, n)
-    real(dp) :: part((size(weight) + short - 1)/short)
+    real(dp) :: part((size(weight) + block - 1)/block)
     integer :: i, j
     !$omp parallel do schedule(static) private(j) if(size(a) > many/4)
     do i = 1, size(part)
       part(i) = 0
-      do j = short*(i - 1) + 1, min(size(weight), short*i)
+      do j = block*(i - 1) + 1, min(size(weight), block*i)
         part(i) = part(i) + weight(j)**2*(a(1, j)**2 + a(2, j)**2 + a(3, j)**2)
       end do
     end do
@@ -147,8 +147,8 @@ contains
     real(dp), intent(inout), contiguous :: y(:)     !< sum (n)
     integer :: i, k
     !$omp parallel do schedule(static) private(k) if(size(v) > many)
-    do i = 1, size(y), short
-      associate (high => min(size(y), i + short - 1))
+    do i = 1, size(y), block
+      associate (high => min(size(y), i + block - 1))
         do k = 1, size(v, 2)
           y(i:high) = y(i:high) + a(k)*v(i:high, k)
         end do
@@ -161,12 +161,12 @@ contains
   function product_of(a, x) result(y)
     real(dp), intent(in), contiguous :: a(:, :)  !< matrix (m, n)
     real(dp), intent(in), contiguous :: x(:)     !< vector (n)
-    real(dp) :: y(size(a, 1)), part(size(a, 1), (size(x) + short - 1)/short)
+    real(dp) :: y(size(a, 1)), part(size(a, 1), (size(x) + block - 1)/block)
     integer :: i, k
     !$omp parallel do schedule(static) private(k) if(size(a) > many)
     do i = 1, size(part, 2)
       part(:, i) = 0
-      do k = short*(i - 1) + 1, min(size(x), short*i)
+      do k = block*(i - 1) + 1, min(size(x), block*i)
         part(:, i) = part(:, i) + x(k)*a(:, k)
       end do
     end do
@@ -181,8 +181,8 @@ contains
     real(dp), intent(inout), contiguous :: w(:)     !< vector (n)
     real(dp), intent(out) :: h(:)                   !< what it had along them (m)
     real(dp), intent(out) :: left                   !< length of what was left
-    real(dp) :: first(size(v, 2), (size(w) + short - 1)/short), second(size(v, 2), (size(w) + short - 1)/short)
-    real(dp) :: square((size(w) + short - 1)/short), along(size(v, 2)), scale
+    real(dp) :: first(size(v, 2), (size(w) + block - 1)/block), second(size(v, 2), (size(w) + block - 1)/block)
+    real(dp) :: square((size(w) + block - 1)/block), along(size(v, 2)), scale
     integer :: i
     !$omp parallel private(along, scale) if(size(v) > many)
     !$omp do schedule(static)
@@ -201,7 +201,7 @@ contains
     !$omp do schedule(static)
     do i = 1, size(square)
       call subtract(i, along)
-      square(i) = sum(w(short*(i - 1) + 1:min(size(w), short*i))**2)
+      square(i) = sum(w(block*(i - 1) + 1:min(size(w), block*i))**2)
     end do
     !$omp end do
     scale = 1/max(sqrt(sum(square)), tiny(1._dp))
@@ -219,7 +219,7 @@ contains
       integer, intent(in) :: part
       real(dp), intent(out) :: products(:)
       integer :: k
-      associate (low => short*(part - 1) + 1, high => min(size(w), short*part))
+      associate (low => block*(part - 1) + 1, high => min(size(w), block*part))
         do k = 1, size(v, 2)
           products(k) = dot_product(v(low:high, k), w(low:high))
         end do
@@ -231,7 +231,7 @@ contains
       integer, intent(in) :: part
       real(dp), intent(in) :: factors(:)
       integer :: k
-      associate (low => short*(part - 1) + 1, high => min(size(w), short*part))
+      associate (low => block*(part - 1) + 1, high => min(size(w), block*part))
         do k = 1, size(v, 2)
           w(low:high) = w(low:high) - factors(k)*v(low:high, k)
         end do

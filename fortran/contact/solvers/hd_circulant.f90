@@ -15,7 +15,7 @@ module hd_circulant
   use hd_lapack, only: invert_symmetric
   use hd_problem, only: problem_t
   use hd_symmetry, only: symmetry_t
-  use hd_vector, only: many
+  use hd_vector, only: many, thread_share
   implicit none
   private
   public :: circulant_t, new_circulant, has_circulant
@@ -299,7 +299,7 @@ contains
     if (allocated(error)) return
     associate (ring => self%ring)
       n = size(ring%field, 2)
-      !$omp parallel do schedule(static) if(size(w) > many/4)
+      !$omp parallel do schedule(static, thread_share) if(size(w) > many/4)
       do j = 1, size(w, 2)
         if (self%sector(j) < n) ring%field(3*self%row(j) - 2:3*self%row(j), self%sector(j) + 1) = real(w(:, j), sp)
       end do

@@ -15,7 +15,7 @@ module hd_face_system
   use hd_lapack, only: solve_dense
   use hd_symmetry, only: mirror_sign
   use hd_system, only: stop_requested, check_stop
-  use hd_vector, only: add_columns, cross, dot, many, product_of
+  use hd_vector, only: add_columns, cross, dot, many, product_of, thread_share
   implicit none
   private
   public :: face_system_t, new_face_system
@@ -461,7 +461,7 @@ contains
     real(dp) :: force(size(self%strut_forces, 1))
     integer :: j, k, l, n
     n = size(self%at)
-    !$omp parallel do schedule(static) private(l) if(n > many/8)
+    !$omp parallel do schedule(static, thread_share) private(l) if(n > many/8)
     do j = 1, size(self%f, 2)
       self%f(:, j) = 0
       do l = self%span(1, j), self%span(2, j)
@@ -509,7 +509,7 @@ contains
     real(dp), intent(out), contiguous :: y(:)         !< unknowns [N]
     type(error_t), allocatable, intent(out) :: error  !< memory
     integer :: j, l
-    !$omp parallel do schedule(static) private(l) if(size(x) > many/8)
+    !$omp parallel do schedule(static, thread_share) private(l) if(size(x) > many/8)
     do j = 1, size(self%w, 2)
       self%w(:, j) = 0
       do l = self%span(1, j), self%span(2, j)

@@ -180,7 +180,7 @@ contains
     real(sp) :: short(padded(self%n), 2)
     integer :: k, n
     n = self%n
-    !$omp parallel do private(x, y, short) if(size(wave)*n > long_loop)
+    !$omp parallel do schedule(static, 1) private(x, y, short) if(size(wave)*n > long_loop)
     do k = 0, ubound(wave, 2)
       associate (factor => self%factor(:, stride*k), part => self%part(stride*k))
         x(:n, 1) = real(conjg(factor)*wave(:, k))
@@ -206,7 +206,7 @@ contains
     complex(sp) :: factor(self%n)
     integer :: k, n
     n = self%n
-    !$omp parallel do private(x, y, factor) if(size(wave)*n > long_loop)
+    !$omp parallel do schedule(static, 1) private(x, y, factor) if(size(wave)*n > long_loop)
     do k = 0, ubound(wave, 2)
       factor = cmplx(self%factor(:, stride*k), kind=sp)
       x(:n, 1) = real(conjg(factor)*wave(:, k))

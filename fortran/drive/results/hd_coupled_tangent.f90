@@ -16,7 +16,7 @@ module hd_coupled_tangent
   use hd_problem, only: load_t, state_t
   use hd_rate, only: respond_by_rates
   use hd_rate_law, only: rate_point_t, rate_open, rate_stick, rate_slip, rate_glued, rate_rigid
-  use hd_vector, only: dot, many
+  use hd_vector, only: dot, many, thread_share
   implicit none
   private
   public :: answer_t, coupled_response, glued_response, contact_alone, joint_points
@@ -32,7 +32,6 @@ module hd_coupled_tangent
   !> share by which shear lies below slip, and of the unsheared stiffness that a point keeps there
   real(dp), parameter :: just = 1e-6_dp
   integer, parameter :: long_loop = 1500   !< points from which two threads are worth waking
-  integer, parameter :: share = 128        !< points of a thread's turn: those that press lie together
 
 contains
 
@@ -61,7 +60,7 @@ contains
     real(dp) :: shear
     integer :: j, m
     m = drive%problem%mortar%n - drive%problem%mortar%rigid
-    !$omp parallel do schedule(static, share) private(sheared, free, shear) if(m > long_loop)
+    !$omp parallel do schedule(static, thread_share) private(sheared, free, shear) if(m > long_loop)
     do j = 1, size(state%contact)
       if (state%contact(j) == open_state) cycle
       points(j)%state = rate_rigid

@@ -15,7 +15,7 @@ module hd_facets
   use hd_persson_error, only: theory_error_t
   use hd_balance, only: support_torques_t, support_torques, body_resultant
   use hd_twist_shares, only: part_names
-  use hd_vector, only: cross, dot, many
+  use hd_vector, only: cross, dot, many, thread_share
   implicit none
   private
   public :: facets_t, sums_t, sum_names, sum_values, facet_names, facet_rows, evaluate_facets, sum_up, sum_stiffness, &
@@ -87,7 +87,6 @@ module hd_facets
   real(dp), parameter :: just_below = 1e-6_dp !< share by which shear stays below slip, where K_T has no slope
   real(dp), parameter :: smallest = 1e-7_dp   !< share by which a traction or the radius is changed for slopes
   integer, parameter :: long_loop = 1500      !< facets from which two threads are worth waking
-  integer, parameter :: share = 128           !< points of a thread's turn: those that press lie together
   integer, parameter :: block = 8000          !< nodes summed one behind the other
   real(dp), parameter :: edge_part = 0.1_dp   !< of the band at either end that edge_line_load counts
 
@@ -191,7 +190,7 @@ contains
     even = [(real(k, dp), k=1, m + 6)]  ! the angles are equal; three more points at either end close the ring
     round = [m - 2, m - 1, m, (k, k=1, m), 1, 2, 3]
     !$omp parallel private(f) if(m*n > long_loop)
-    !$omp do schedule(static, share)
+    !$omp do schedule(static, thread_share)
     do j = 1, size(response)
       softer(:, j) = 1
       point(:, j) = [traction(1, j), below_slip(joint%mu*traction(1, j), hypot(traction(2, j), traction(3, j)))]
@@ -210,7 +209,7 @@ contains
       softer(2, grid(i, :)) = f(4:m + 3)
     end do
     !$omp end do
-    !$omp do schedule(static, share)
+    !$omp do schedule(static, thread_share)
     do j = 1, size(response)
       if (.not. any(abs(softer(:, j) - 1) > 0)) cycle
       point(:, j) = point(:, j)*softer(1, j)*softer(2, j)

@@ -28,7 +28,7 @@ module hd_fftw
   end type rows_plan_t
 
   integer, parameter :: rows_of_part = 8      !< parts begin at multiples of 16 bytes, as FFTW asks
-  integer, parameter :: long_rows = 30000     !< numbers from which two threads are worth waking
+  integer, parameter :: long_rows = 10000     !< numbers from which two threads are worth waking
 
   !> Plans of the NUFFT and of single rows stay for the next call: making them costs more than a small transform.
   type :: kept_t

@@ -12,7 +12,7 @@ module hd_newton
   use hd_error, only: error_t
   use hd_linear_solver, only: linear_solver_t
   use hd_problem, only: problem_t, state_t, load_t, internal_residual, gap_and_slip, keep_state, new_state, update_tangent, &
-    strain_bodies, apply_stiffness, largest_stiffness, pair_bodies, update_struts, strut_forces
+    strain_bodies, apply_stiffness, largest_stiffness, pair_bodies, update_struts
   use hd_contact_law, only: contact_law_t, evaluate_law, frictionless, open_state, stick_state, slip_state
   use hd_hold, only: hold_less, hold_more
   use hd_mortar, only: add_nodal_forces
@@ -55,6 +55,7 @@ module hd_newton
     real(dp) :: merit = 0                !< relative residual
     real(dp) :: distance = 0             !< absolute one, which the line search lowers [N]
     logical :: forceless = .false.       !< all forces, those of supports too, are rounding
+    logical :: far_ends = .false.        !< springs have far ends that move
     real(dp) :: stiffness = 0            !< largest of the bodies, for what rounding leaves of forces that cancel [N/m]
     type(contact_law_t) :: law           !< the law, softened or not
     real(dp), allocatable :: anchor(:, :) !< tractions it refers to (3, multipliers) [Pa]
@@ -498,13 +499,13 @@ contains
     type(state_t), intent(inout) :: state           !< iterate; gets its gap and slip
     type(linearisation_t), intent(inout) :: here    !< linearisation
     real(dp), allocatable :: force(:, :)
-    real(dp) :: scale, law, moved, held, left
+    real(dp) :: scale, law, moved, pushed, held, left
     integer :: j
     if (.not. allocated(here%contact)) call begin_linearisation(problem, load, previous, here)
     call gap_and_slip(problem, load, previous, state)
     call apply_law(problem, previous, state, here)
     call strain_bodies(problem, state%u)
-    call internal_residual(problem, load, state, here%r_u)
+    call internal_residual(problem, load, state, here%r_u, pushed)
     allocate (force(3, problem%n))
     !$omp parallel do schedule(static) if(size(force) > many)
     do j = 1, problem%n
@@ -514,10 +515,9 @@ contains
     call add_nodal_forces(problem%mortar, state%traction, force)
     law = weighted_length(problem%mortar%area, here%r_c)
     moved = length(size(state%u), state%u)
-    scale = length(size(force), force) + loaded_with(problem, load, state%u) + law + tiny(scale)
+    scale = length(size(force), force) + loaded_with(problem, load, here%far_ends, state%u) + law + pushed + tiny(scale)
     call part_lengths(here%r_u, problem%fixed, held, left)
     scale = scale + held
-    if (allocated(problem%struts)) scale = scale + norm2(strut_forces(problem, load, state%u))
     here%forceless = scale <= rounding*here%stiffness*moved
     scale = scale + unstrained*here%stiffness*moved  ! bodies moved as a whole have no forces but rounding
     here%distance = hypot(left, law)
@@ -526,11 +526,12 @@ contains
   end subroutine linearise
 
   !> Size of the loads; where a spring's far end is moved, that of its force, not of its stiffness times the way [N].
-  real(dp) function loaded_with(problem, load, u) result(size_of)
+  real(dp) function loaded_with(problem, load, far_ends, u) result(size_of)
     type(problem_t), intent(in) :: problem          !< problem
     type(load_t), intent(in) :: load                !< load
+    logical, intent(in) :: far_ends                 !< such springs are there
     real(dp), intent(in) :: u(:, :)                 !< displacements (3, n) [m]
-    if (any(problem%spring > 0 .and. abs(load%force) > 0)) then
+    if (far_ends) then
       size_of = length(size(u), load%force - merge(problem%spring*u, 0._dp, abs(load%force) > 0))
     else
       size_of = length(size(u), load%force)
@@ -546,6 +547,7 @@ contains
     allocate (here%r_c(3, problem%mortar%n), here%dw(3, 3, problem%mortar%n), here%dt(3, 3, problem%mortar%n), &
       here%contact(problem%mortar%n), here%r_u(3, problem%n))
     here%idle = idle_components(problem)
+    here%far_ends = any(problem%spring > 0 .and. abs(load%force) > 0)
     here%law = problem%law
     here%law%friction = load%friction
     here%anchor = previous%traction

@@ -311,11 +311,12 @@ contains
   end function largest_stiffness
 
   !> Out-of-balance nodal forces K u - f - B^T t [N]; at fixed dofs these are the reactions.
-  subroutine internal_residual(problem, load, state, r)
+  subroutine internal_residual(problem, load, state, r, pushed)
     type(problem_t), intent(in) :: problem  !< problem
     type(load_t), intent(in) :: load        !< load
     type(state_t), intent(in) :: state      !< iterate
     real(dp), intent(out) :: r(:, :)        !< (3, n) [N]
+    real(dp), intent(out), optional :: pushed  !< length of the vector of the struts' forces [N]
     real(dp), allocatable :: forces(:)
     integer :: i
     if (strained_at(problem, state%u)) then
@@ -328,8 +329,10 @@ contains
     end if
     call add(size(r), -1._dp, load%force, r)
     call add_nodal_forces(problem%mortar, state%traction, r, factor=-1._dp)
+    if (present(pushed)) pushed = 0
     if (.not. allocated(problem%struts)) return
     forces = strut_forces(problem, load, state%u)
+    if (present(pushed)) pushed = norm2(forces)
     do i = 1, size(forces)
       if (abs(forces(i)) > 0) call push(problem%struts(i), forces(i), r)
     end do

@@ -413,7 +413,7 @@ contains
     allocate (self%right(n, self%more), self%below(n, self%more))
     self%span(1, :) = 1
     self%span(2, :) = 0
-    !$omp parallel do schedule(static) private(j, k, l, side) if(size(self%list) > few)
+    !$omp parallel do schedule(static) private(j, k, l, side) if(size(self%list)*(8 + self%more) > 8*few)
     do i = 1, size(self%list)
       j = self%list(i)
       self%span(:, j) = self%start(i:i + 1) + [1, 0]

@@ -14,42 +14,36 @@ import hdengine
 from common import DATA, short, solve, write_part
 
 VARIED = {"as it is": {}, "e = 10 µm": {"wave_generator.eccentricity": 10e-6}, "µ = 0.05": {"contact.friction": 0.05}, "µ = 0.3": {"contact.friction": 0.3}}
-KEPT = ("k_ts_nm_per_rad", "k_ts_bonded_nm_per_rad", "k_ts_secant_nm_per_rad", "k_fe_secant_nm_per_rad", "slip_share_k_ts", "pressure_max_pa",
-        "edge_line_load_n_per_m")
+EQ45, TANGENT = "k_ts_nm_per_rad", "k_ts_bonded_nm_per_rad"
 PAPER = {"load.support": "hub", "wave_generator.ring_tangent": "auto"}   # what makes data/paper.nml CD-14-100 with the paper's joint
 COARSE = {"divisions": 48, "band_facets": 8}
 W, WALL, TORQUES = (0.05e-3, 0.1e-3, 0.2e-3, 0.3e-3), (0.25e-3, 0.36e-3, 0.6e-3), (2.5, 5.0, 10.0)
 
 
-def kept(sums):
-    """What a record keeps of the sums of a step."""
-    return short({name: sums[name] for name in KEPT if name in sums}, 5)
+def kept(sums, *names):
+    """These sums of a step."""
+    return short({name: sums[name] for name in names}, 5)
 
 
-def eq45(sums):
-    """What a record keeps of the same scene with the paper's joint."""
-    return {name: sums[name] for name in ("k_ts_nm_per_rad", "slip_share_k_ts")}
-
-
-def last(scene="cd14.nml", **keys):
-    """Sums of the last step."""
+def last(*names, scene="cd14.nml", **keys):
+    """These sums of the last step."""
     with hdengine.Run(DATA / scene, **keys) as run:
-        return kept([*run][-1].sums)
+        return kept([*run][-1].sums, *names)
 
 
 def frictions():
     """Friction and eccentricity at three torques, by the paper's joint too."""
-    def steps(scene, **keys):
+    def steps(*names, scene="cd14.nml", **keys):
         with hdengine.Run(DATA / scene, **{"load.torque": 20.0, "load.torque_steps": 20}, **keys) as run:
-            return {round(s.sums["torque_nm"], 6): kept(s.sums) for s in run}
-    found = {what: (steps("cd14.nml", **keys), steps("paper.nml", **PAPER, **keys)) for what, keys in VARIED.items()}
-    return {f"CD-14-100, {what}, {torque:g} N m": ours[torque] | {"paper": eq45(paper[torque])} for what, (ours, paper) in found.items() for torque in (1.0, 5.0, 20.0)}
+            return {round(s.sums["torque_nm"], 6): kept(s.sums, *names) for s in run}
+    found = {what: (steps(TANGENT, **keys), steps(EQ45, "slip_share_k_ts", scene="paper.nml", **PAPER, **keys)) for what, keys in VARIED.items()}
+    return {f"CD-14-100, {what}, {torque:g} N m": ours[torque] | {"paper": paper[torque]} for what, (ours, paper) in found.items() for torque in (1.0, 5.0, 20.0)}
 
 
 def meshes():
     """Equal rows, and rows that shorten towards the edges, by the paper's joint too."""
-    return [{"divisions": n, "band_facets": m, "edge_length_m": edge, **last(mesh=(mesh := {"divisions": n, "band_facets": m, "edge_length": edge})),
-             "paper": eq45(last("paper.nml", mesh=mesh, **PAPER))} for n, m, edge in ((24, 4, 0.0), (48, 8, 0.0), (96, 16, 0.0), (160, 24, 0.0), (64, 12, 1e-4), (64, 12, 5e-5), (64, 12, 2.5e-5))]
+    return [{"divisions": n, "band_facets": m, "edge_length_m": edge, **last(EQ45, TANGENT, "pressure_max_pa", "edge_line_load_n_per_m", mesh=(mesh := {"divisions": n, "band_facets": m, "edge_length": edge})),
+             "paper": last(EQ45, scene="paper.nml", mesh=mesh, **PAPER)} for n, m, edge in ((24, 4, 0.0), (48, 8, 0.0), (96, 16, 0.0), (160, 24, 0.0), (64, 12, 1e-4), (64, 12, 5e-5), (64, 12, 2.5e-5))]
 
 
 def inputs():
@@ -59,13 +53,13 @@ def inputs():
              "s_min = 1e-13 m²": {"s_min": 1e-13}, "fitted to boundary elements (no yield)": {
                  "asperity_radius": 3.74e-6, "s_min": 2.4e-12, "hardness": 1e15}, "G / 4": {"roughness": 6.062e-8},
              "model `spectrum`": {"model": "spectrum"}}
-    return {"ground to Ra 0.4 µm (`data/cd14.nml`)": last(mesh=COARSE)} | {
-        name: last("paper.nml", mesh=COARSE, joint=keys, **PAPER) for name, keys in cases.items()}
+    return {"ground to Ra 0.4 µm (`data/cd14.nml`)": last(EQ45, TANGENT, mesh=COARSE)} | {
+        name: last(EQ45, TANGENT, scene="paper.nml", mesh=COARSE, joint=keys, **PAPER) for name, keys in cases.items()}
 
 
 def steps():
     """Hard contact beside the joint as contact law, over the torque steps."""
-    return {f"{support}, {law}, {n}": last(mesh=COARSE, contact__law=law, load={"support": support, "torque_steps": n})
+    return {f"{support}, {law}, {n}": last(TANGENT, "k_fe_secant_nm_per_rad", mesh=COARSE, contact__law=law, load={"support": support, "torque_steps": n})
             for support in ("hub", "bearing") for law in ("hard", "joint") for n in (1, 5, 20)}
 
 

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Paths and helpers shared by the tests."""
-import json
 import os
 import signal
 import subprocess
@@ -80,9 +79,3 @@ def stopped_and_whole(exe, keys, rows, tmp_path):
 def small_run(exe, tmp_path_factory):
     """Folder of a small finished run of the default scene."""
     return solve_small(exe, tmp_path_factory.mktemp("runs") / "small.out", "output.vtu=all").folder
-
-
-@pytest.fixture(scope="session")
-def reference():
-    """The 62 reference cases of the joint model, by kind, and their joints by name: 20 digits from 50-digit quadrature of the defining integrals."""
-    return json.loads((ROOT / "tests/cases/joint_reference.json").read_text())

@@ -8,7 +8,7 @@ from hdengine import InputError, NotConvergedError
 from hdengine.elastic import ElasticJoint, moduli, stiffness_from_spectrum
 from hdengine.prediction import half_space
 from hdengine.prediction.half_space import HalfSpace, corrected_area
-from hdengine.prediction.shear import Slider, shear_path
+from hdengine.prediction.shear import Slider
 
 pytest.importorskip("tamaas")
 E_STAR, RATIO = moduli(209e9, 0.295, 219e9, 0.30)
@@ -111,6 +111,12 @@ def test_stiffness_is_pressure_over_a_share_of_the_roughness():
         assert gamma.min() > 0.35 and gamma.max() < 0.5
 
 
+def shears(space, pressure, path):
+    """Mean shear [Pa] along a path of displacements [m], from no shear."""
+    slider = Slider(space, pressure, MU)
+    return np.array([slider.move(u) for u in path])
+
+
 def test_cattaneo_and_mindlin():
     """A pressed ball that is pushed sideways sticks inside c = a (1 - q/mu P)^(1/3), and its shear is mu (p(a) - c/a p(c))."""
     space = ball(96)
@@ -133,10 +139,10 @@ def test_full_slip_carries_mu_p_and_steps_do_not_matter():
     space = HalfSpace(z, (1e-6, 1e-6), E_STAR, RATIO)
     pressure = space.press(2e8)
     end = 2 * MU * 2e8 / space.tangential_stiffness(pressure > 0)
-    steps = shear_path(space, pressure, MU, [0.0, 0.25 * end, 0.5 * end, 0.75 * end, end])
+    steps = shears(space, pressure, [0.0, 0.25 * end, 0.5 * end, 0.75 * end, end])
     assert steps[0] == pytest.approx(0, abs=1e-9)
-    assert shear_path(space, pressure, MU, [end])[0] == pytest.approx(steps[-1], rel=2e-4)
-    assert shear_path(space, pressure, MU, [20 * end])[0] == pytest.approx(MU * 2e8, rel=1e-3)
+    assert shears(space, pressure, [end])[0] == pytest.approx(steps[-1], rel=2e-4)
+    assert shears(space, pressure, [20 * end])[0] == pytest.approx(MU * 2e8, rel=1e-3)
     with pytest.raises(InputError, match="friction"):
         Slider(space, pressure, 0.0)
 
@@ -152,7 +158,7 @@ def test_shear_curve_and_loop_of_a_rough_patch():
     pressure = space.press(load)
     turn = 1.2 * MU * load / space.tangential_stiffness(pressure > 0)
     up, back = np.array([0.2, 0.5, 1.0]) * turn, np.array([0.5, 0.0, -0.5, -1.0, -0.4, 0.3, 1.0]) * turn
-    found = shear_path(space, pressure, MU, [*up, *back]) / (MU * load)
+    found = shears(space, pressure, [*up, *back]) / (MU * load)
 
     def law(u):
         return joint.shear(load, u)[0] / (MU * load)

@@ -50,6 +50,45 @@ def test_random_cases():
     assert worst[0] <= 1e-13 and worst[1] <= 1e-12 and worst[2] <= 1e-11
 
 
+def test_one_asperity():
+    """Moduli, shape and first yield of an asperity, and its state at a depth and at an area (Eq. 3-16, 39, 40), in every regime: 1e-12."""
+    rng = np.random.default_rng(2)
+    for _ in range(40):
+        joint = random_joint(rng)
+        o = Oracle(joint)
+        known = (o.e, o.g_prime, o.h, o.k_hard, o.eta, o.radius, o.eps_ec, o.s_ec, o.f_ec)
+        assert_near(list(joint.asperity()[0].values()), known, 1e-12)
+        for x in (0.3, 3, 50, 200):
+            depth = float(x * o.eps_ec)
+            assert_near(joint.asperity(depth=depth)[1], o.by_depth(mpf(depth) / o.eps_ec), 1e-12)
+        for x in (0.5, 4, 60, 300):
+            area = float(x * o.s_ec)
+            tau = float(rng.uniform(0, 0.9)) * float(o.mu * o.by_area(mpf(area), 0)[0] / area)
+            assert_near(joint.asperity(area=area, tau=tau)[2], o.by_area(mpf(area), mpf(tau)), 1e-12)
+
+
+def test_parts_of_the_regimes():
+    """Load, K_N (1e-12) and K_T (1e-11) of the spots of each regime beside the sum of all, the real area, and psi (1e-13), also near D = 3."""
+    rng = np.random.default_rng(6)
+    for _ in range(60):
+        joint = random_joint(rng)
+        if rng.uniform() < 0.1:
+            joint = replace(joint, fractal_dimension=2.999)
+        o = Oracle(joint)
+        s_l = joint.s_min * 10 ** rng.uniform(0.2, 9)
+        tau = rng.uniform(0, 1) * float(o.mu * o.total_load(s_l) / o.area(s_l))
+        parts = joint.parts(s_l, tau=tau)
+        for name, known, tol in (("load_n", o.power(s_l, o.load), 1e-12), ("k_n_n_per_m", o.power(s_l, o.stiff), 1e-12),
+                                 ("k_t_n_per_m", o.k_t_parts(s_l, mpf(tau)), 1e-11)):
+            assert_near(parts[name], known, tol, tol * float(sum(known)))
+        assert relative(parts["psi"], o.psi) < 1e-13 and relative(parts["real_area_m2"], o.area(s_l)) < 1e-12
+
+
+def assert_near(found, known, tol, off=0.0):
+    """Numbers against those of 50 digits."""
+    np.testing.assert_allclose(found, [float(x) for x in known], rtol=tol, atol=off)
+
+
 def relative(value, expected):
     """Relative difference; both zero counts as agreement."""
     return abs(mpf(float(value)) - expected) / expected if expected else abs(mpf(float(value)))

@@ -6,8 +6,6 @@ for, and that one knows no history, so no loop (bench/joint_shear.py).
 """
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from .._engine import InputError, NotConvergedError
@@ -89,9 +87,3 @@ class Slider:
         """Nearest tractions inside the circles; none where nothing touches."""
         size = np.linalg.norm(t, axis=-1, keepdims=True)
         return t * (self._most / np.maximum(np.maximum(size, self._most), np.finfo(float).tiny))
-
-
-def shear_path(space: HalfSpace, pressure: np.ndarray, friction: float, displacements: Sequence[float]) -> np.ndarray:
-    """Mean shear [Pa] along a path of displacements [m], from no shear."""
-    slider = Slider(space, pressure, friction)
-    return np.array([slider.move(u) for u in displacements])

@@ -3,10 +3,10 @@
 program main
   use, intrinsic :: iso_fortran_env, only: error_unit
   use hd_command_line, only: command_t, read_command_line, obey
-  use hd_error, only: error_t
+  use hd_error, only: error_t, code_memory
   use hd_lapack, only: choose_kernels
   use hd_log, only: check_log
-  use hd_system, only: catch_signals, fill_streams, keep_memory, set_libraries
+  use hd_system, only: catch_signals, fill_streams, keep_memory, leave_at_once, set_libraries
   implicit none
   type(command_t) :: command
   type(error_t), allocatable :: error
@@ -22,5 +22,6 @@ program main
   if (.not. allocated(error)) stop 0, quiet=.true.
   if (index(error%message, 'error: ') /= 1) error%message = 'error: '//error%message
   write (error_unit, '(a)', iostat=status) error%message
+  if (error%code == code_memory) call leave_at_once(error%code)
   stop error%code, quiet=.true.
 end program main

@@ -413,7 +413,7 @@ def test_few_addresses_are_an_error(exe, tmp_path, what, mb):
     """Under `ulimit -v` or `ulimit -d` too small for the threads of the libraries each command ends at once, with code 6 and what is free."""
     def limit():
         resource.setrlimit(getattr(resource, f"RLIMIT_{what}"), (mb << 20, mb << 20))
-    for words in ([exe, ROOT / "data/surface.nml", *SURFACE], [exe, CD14, *WORDS], [exe, ROOT / "data/surface.nml", *SURFACE, "surface.method=direct"]):
+    for words in ([exe, ROOT / "data/surface.nml", *SURFACE], [exe, CD14, *WORDS], [exe, CD14, *WORDS, "mesh.memory_limit_mb=1000"], [exe, ROOT / "data/surface.nml", *SURFACE, "surface.method=direct"]):
         done = subprocess.run([*map(str, words), "--out", tmp_path / "r", "--force"], capture_output=True, text=True, timeout=60, preexec_fn=limit,
                               env=os.environ | {"OMP_NUM_THREADS": "2", "OPENBLAS_NUM_THREADS": "2"})
         assert done.returncode == 6 and "MB" in done.stderr, done

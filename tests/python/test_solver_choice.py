@@ -164,8 +164,10 @@ def test_a_limit_of_the_shell_counts_as_the_machines(exe, tmp_path):
                               capture_output=True, text=True, env=environment, timeout=60)
 
     refused = run(500000, "mesh.divisions=400", "mesh.band_facets=80")
-    assert refused.returncode == 6 and "the limit is 151 MB, 80 % of what is free" in refused.stderr
+    assert refused.returncode == 6 and "the limit is 151 MB, by ulimit -v" in refused.stderr
     assert run(300000, *SMALL).returncode == 6
+    asked = run(300000, *SMALL, "mesh.memory_limit_mb=1000")
+    assert asked.returncode == 6 and "by ulimit -v\n" in asked.stderr and "raise that" in asked.stderr
     done = run(500000, *SMALL)
     assert done.returncode == 0, done.stderr
     assert hdengine.load(tmp_path / "m").summary["predicted"]["memory_allowed_mb"] == pytest.approx(0.8 * (500000 / 1024 - 300))

@@ -7,7 +7,7 @@ module hd_memory
   !$ use omp_lib, only: omp_get_max_threads
   implicit none
   private
-  public :: peak_memory_mb, free_memory_mb, need_memory
+  public :: peak_memory_mb, free_memory_mb, address_limit_mb, need_memory
 
   real(dp), parameter :: bytes_per_mb = 1048576
   !> Addresses that libraries and threads map without using them, least and per thread [MB]: with less OpenBLAS waits for ever.
@@ -23,19 +23,26 @@ contains
   !> Memory for this process, with what it has already: what others leave of the machine, or less where a limit is set, as by a
   !> batch system, a container, ulimit -v or ulimit -d [MB].
   real(dp) function free_memory_mb() result(free)
-    real(dp) :: limits(4)
-    integer :: threads
+    real(dp) :: limits(3)
     limits(1) = number_behind('/proc/meminfo', 'MemAvailable:')*1024
     if (limits(1) > 0) limits(1) = limits(1) + number_behind('/proc/self/status', 'VmRSS:')*1024
     limits(2) = group_limit()
-    limits(3) = number_behind('/proc/self/limits', 'Max address space')
-    limits(4) = number_behind('/proc/self/limits', 'Max data size')
-    threads = 1
-    !$ threads = omp_get_max_threads()
-    where (limits(3:) > 0) limits(3:) = max(bytes_per_mb, limits(3:) - bytes_per_mb*(mapped + threads*mapped_per_thread))
+    limits(3) = address_limit_mb()*bytes_per_mb
     free = -1
     if (any(limits > 0)) free = minval(limits, limits > 0)/bytes_per_mb
   end function free_memory_mb
+
+  !> What ulimit -v or ulimit -d leaves of addresses, 1 at least [MB].
+  real(dp) function address_limit_mb() result(left)
+    real(dp) :: limits(2)
+    integer :: threads
+    limits(1) = number_behind('/proc/self/limits', 'Max address space')
+    limits(2) = number_behind('/proc/self/limits', 'Max data size')
+    threads = 1
+    !$ threads = omp_get_max_threads()
+    left = -1
+    if (any(limits > 0)) left = max(1._dp, minval(limits, limits > 0)/bytes_per_mb - mapped - threads*mapped_per_thread)
+  end function address_limit_mb
 
   !> Refuse what does not fit.
   subroutine need_memory(what, mb, error)

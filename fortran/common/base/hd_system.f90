@@ -1,15 +1,16 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> The operating system: stop signals, folders, renaming.
 module hd_system
-  use, intrinsic :: iso_fortran_env, only: int64
+  use, intrinsic :: iso_fortran_env, only: error_unit, int64, output_unit
   use, intrinsic :: iso_c_binding, only: c_int, c_long_long, c_char, c_null_char, c_ptr, c_null_ptr, c_loc
   use hd_error, only: error_t, raise, code_file, code_stopped
   use hd_text, only: string_t
   implicit none
   private
   public :: set_libraries, renew_after_fork, catch_signals, watch_signals, unwatch_signals, keep_memory, &
-    stop_requested, hold_stop, check_stop, stop_signal, fill_streams, addresses_limited, make_directory, rename_file, remove_file, &
-    remove_matching, remove_directory, settle_file, system_text, writable_kind, begin_error, file_bytes, path_kind, become_program
+    stop_requested, hold_stop, check_stop, stop_signal, fill_streams, leave_at_once, addresses_limited, make_directory, &
+    rename_file, remove_file, remove_matching, remove_directory, settle_file, system_text, writable_kind, begin_error, file_bytes, &
+    path_kind, become_program
   public :: path_absent, path_file, path_directory
 
   integer, parameter :: path_absent = 0     !< nothing there
@@ -214,6 +215,20 @@ contains
     integer(int64), intent(in) :: bytes    !< that were written
     status = c_settle(trim(path)//c_null_char, int(bytes, c_long_long))
   end function settle_file
+
+  !> End without waiting for threads of libraries: those of OpenBLAS ask for memory for ever where ulimit -v leaves none.
+  subroutine leave_at_once(code)
+    integer, intent(in) :: code  !< exit code
+    interface
+      subroutine c_leave(code) bind(c, name='_exit')
+        import :: c_int
+        integer(c_int), value :: code
+      end subroutine c_leave
+    end interface
+    flush (output_unit)
+    flush (error_unit)
+    call c_leave(int(code, c_int))
+  end subroutine leave_at_once
 
   !> Why a writing failed, behind a colon.
   function system_text(status) result(text)

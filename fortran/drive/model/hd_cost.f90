@@ -8,7 +8,7 @@
 module hd_cost
   use hd_error, only: error_t, raise, code_memory
   use hd_kinds, only: dp, i8
-  use hd_memory, only: free_memory_mb
+  use hd_memory, only: address_limit_mb, free_memory_mb
   use hd_revolution, only: strip_t
   use hd_scene, only: scene_t
   use hd_section, only: band_rows, cup_strip, ring_strip
@@ -159,11 +159,13 @@ contains
     mb = f%costs(f%chosen)%memory_mb
   end function estimate_memory_mb
 
-  !> Memory that a run may take: as the scene says, else four fifths of what is free [MB]; not above 0 where nobody knows.
+  !> Memory that a run may take: as the scene says, but no more than ulimit does, else four fifths of what is free [MB]; not above 0
+  !> where nobody knows.
   real(dp) function allowed_memory_mb(s) result(mb)
     type(scene_t), intent(in) :: s  !< scene
     mb = s%memory_limit_mb
     if (mb <= 0) mb = usable*free_memory_mb()
+    if (address_limit_mb() > 0) mb = min(mb, address_limit_mb())
   end function allowed_memory_mb
 
   !> Refuse a mesh that does not fit before it is tried.
@@ -184,7 +186,12 @@ contains
       advice = 'raise mesh.memory_limit_mb'
     end if
     whose = ''
-    if (.not. s%memory_limit_mb > 0) whose = ', 80 % of what is free now'
+    if (address_limit_mb() > 0 .and. .not. limit < usable*address_limit_mb()) then
+      whose = ', by ulimit -v'
+      advice = advice(:index(advice, 'raise') - 1)//'raise that'
+    else if (.not. s%memory_limit_mb > 0) then
+      whose = ', 80 % of what is free now'
+    end if
     call raise(error, code_memory, 'error: '//mesh//' needs about '//to_text(nint(need, i8))//' MB, the limit is '// &
       to_text(nint(limit, i8))//' MB'//whose//new_line('a')//'      '//advice)
   end subroutine check_memory

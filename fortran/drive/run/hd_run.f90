@@ -481,7 +481,12 @@ contains
     if (run%step%number > 0) run%record%limit = run%record%shift + run%record%to_limit*promised_values(run%scene, run%sums, &
       run%flexibility%tangent, patch_pressures(run%model%drive, run%facets), run%loop)
     if (run%writes .and. .not. allocated(run%failure)) call move_tangent(run%scene, run%model%drive, run%model%solver, run%joint, &
-      run%flexibility, run%before, run%state, run%sums%theory)
+      run%flexibility, run%before, run%state, run%sums%theory, trouble)
+    if (allocated(trouble) .and. stop_requested()) then
+      run%record%interrupted = .true.
+      call raise(run%failure, code_stopped, 'interrupted before the change of K_TS by the error of its joint was found; all '// &
+        'load steps are kept, --resume finds it')
+    end if
     call run%record%timers%book(in_stiffness)
     run%record%steps = run%step%number
     if (.not. allocated(run%failure) .and. run%place < path_end(run%scene)) call raise(run%failure, &

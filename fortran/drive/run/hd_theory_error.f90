@@ -33,7 +33,7 @@ contains
   end function theory_on
 
   !> Change of the tangent K_TS if k_N is softer by the error; half as stiff where the error is not known. The pressures stay.
-  subroutine move_tangent(scene, drive, solver, joint, flexibility, before, state, found)
+  subroutine move_tangent(scene, drive, solver, joint, flexibility, before, state, found, error)
     type(scene_t), intent(in) :: scene                !< scene, at the end of its torque
     type(drive_t), intent(inout) :: drive             !< drive
     class(linear_solver_t), intent(inout) :: solver   !< its linear solver
@@ -41,7 +41,7 @@ contains
     type(flexibility_t), intent(in) :: flexibility    !< of the last load step
     type(state_t), intent(in) :: before, state        !< last two converged states
     type(theory_error_t), intent(inout) :: found      !< gets the change
-    type(error_t), allocatable :: error
+    type(error_t), allocatable, intent(out) :: error  !< of the solver, or a signal: the change is not known
     type(joint_t) :: softer
     type(load_t) :: load
     type(answer_t) :: now

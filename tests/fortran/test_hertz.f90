@@ -3,7 +3,7 @@
 module test_hertz
   use hd_kinds, only: dp, pi
   use hd_check, only: check
-  use hd_hertz, only: point_contact_t, ball_on_race, contact_rate, elliptic_integrals, in_series
+  use hd_hertz, only: point_contact_t, ball_on_race, contact_pressure, contact_rate, elliptic_integrals, in_series
   implicit none
   private
   public :: run_hertz
@@ -24,6 +24,7 @@ contains
     e = 113e9_dp
     plane = ball_on_race(2*r, 1e9_dp, 1e9_dp, e)
     call check(abs(contact_rate(plane)/(4*e*sqrt(r)/3) - 1) < 1e-6_dp, 'ball on a plane')
+    call check(abs(contact_pressure(plane, 50._dp)/(6*50*e**2/(pi**3*r**2))**(1/3._dp) - 1) < 1e-6_dp, 'its pressure')
     groove = ball_on_race(2*r, 13.3e-3_dp, 0.52_dp, 206.8e9_dp/(2*(1 - 0.09_dp)))
     k = 2.15e5_dp*sqrt(1e9_dp)/sqrt(groove%curvature/1e3_dp)/groove%approach**1.5_dp
     call check(abs(contact_rate(groove)/k - 1) < 5e-3_dp, 'constant of Harris for steel')

@@ -7,13 +7,13 @@ module hd_ball_bearing
   use hd_face, only: face_t
   use hd_groove, only: groove_t
   use hd_hold, only: hold_t
-  use hd_hertz, only: point_contact_t, ball_on_race, contact_rate, in_series
+  use hd_hertz, only: point_contact_t, ball_on_race, contact_pressure, contact_rate, in_series
   use hd_race, only: race_radius
   use hd_scene, only: scene_t
   use hd_strut, only: strut_t
   implicit none
   private
-  public :: ball_angles, ball_patches, ball_struts, axial_struts, ball_grooves, ring_holds
+  public :: ball_angles, ball_patches, ball_struts, axial_struts, ball_grooves, race_pressure, ring_holds
 
 contains
 
@@ -42,6 +42,14 @@ contains
     contact = race_contacts(scene)
     k = in_series(contact_rate(contact(1)), contact_rate(contact(2)))
   end function ball_rate
+
+  !> Largest pressure of a ball on a race; 0 where no ball pushes, or its rate is not that of its races [Pa].
+  pure real(dp) function race_pressure(scene, force) result(p)
+    type(scene_t), intent(in) :: scene  !< scene
+    real(dp), intent(in) :: force       !< of a ball [N]
+    p = 0
+    if (force > 0 .and. .not. scene%ball_rate > 0) p = maxval(contact_pressure(race_contacts(scene), force))
+  end function race_pressure
 
   !> Places of the balls [rad].
   pure function ball_angles(scene) result(theta)

@@ -1,16 +1,18 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Hertz's contact of a ball with a grooved race, by complete elliptic integrals (Harris, Rolling Bearing Analysis, 6.21-6.42):
 !>   approach = d* S/2 (3 F / (2 S E'))^(2/3),   d* = 2 K / (pi a*),   a* = (2 kappa^2 E / pi)^(1/3)
+!>   a = a* (3 F / (2 S E'))^(1/3),   b* = a*/kappa,   largest pressure 3 F / (2 pi a b)
 !> S sum of the principal curvatures, E' reduced modulus, kappa ratio of the semi-axes from the difference of the curvatures.
 module hd_hertz
   use hd_kinds, only: dp, pi, hair
   implicit none
   private
-  public :: point_contact_t, ball_on_race, contact_rate, in_series, elliptic_integrals
+  public :: point_contact_t, ball_on_race, contact_rate, contact_pressure, in_series, elliptic_integrals
 
   type :: point_contact_t
     real(dp) :: curvature = 0                  !< S [1/m]
     real(dp) :: approach = 1                   !< d*
+    real(dp) :: axes = 1                       !< a* b*
     real(dp) :: modulus = 0                    !< E' [Pa]
   end type point_contact_t
 
@@ -63,6 +65,7 @@ contains
       end if
     end do
     call elliptic_integrals(1 - 1/ratio**2, first, second)
+    contact%axes = (2*ratio**2*second/pi)**(2/3._dp)/ratio
     contact%approach = 2*first/pi/(2*ratio**2*second/pi)**(1/3._dp)
   end function ball_on_race
 
@@ -80,6 +83,13 @@ contains
     type(point_contact_t), intent(in) :: contact  !< contact
     k = 2*contact%curvature*contact%modulus/3*(2/(contact%approach*contact%curvature))**1.5_dp
   end function contact_rate
+
+  !> Largest pressure under a force [Pa].
+  elemental real(dp) function contact_pressure(contact, force) result(p)
+    type(point_contact_t), intent(in) :: contact  !< contact
+    real(dp), intent(in) :: force                 !< > 0 [N]
+    p = 3*force/(2*pi*contact%axes)*(2*contact%curvature*contact%modulus/(3*force))**(2/3._dp)
+  end function contact_pressure
 
   !> Rate of two contacts that carry the same force.
   elemental real(dp) function in_series(k_1, k_2) result(k)

@@ -3,6 +3,7 @@
 module hd_loop_results
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp
+  use hd_ball_bearing, only: race_pressure
   use hd_facets, only: sums_t
   use hd_loop, only: loop_t, readings_t, read_loop
   use hd_scene, only: scene_t
@@ -12,8 +13,8 @@ module hd_loop_results
   public :: loop_names, loop_values
 
   character(len=*), parameter :: others = 'loop_work_j,loop_dissipated_j,loop_dissipated_teeth_j,loop_stored_j,'// &
-    'ball_force_max_n,tooth_force_max_n,goodman_safety_min,turning_angle_error_rad,turning_stiffness_min_nm_per_rad,'// &
-    'turning_stiffness_max_nm_per_rad'
+    'ball_force_max_n,tooth_force_max_n,goodman_safety_min,ball_pressure_max_pa,turning_angle_error_rad,'// &
+    'turning_stiffness_min_nm_per_rad,turning_stiffness_max_nm_per_rad'
 
 contains
 
@@ -39,7 +40,7 @@ contains
     type(tolerance_band_t), intent(in) :: band    !< of the readings
     real(dp), allocatable :: values(:)
     type(readings_t) :: r
-    real(dp) :: none, value(banded), ends(2, banded), safety, turning(3)
+    real(dp) :: none, value(banded), ends(2, banded), safety, pressed, turning(3)
     none = ieee_value(1._dp, ieee_quiet_nan)
     r = read_loop(loop, scene)
     ends = none
@@ -47,6 +48,8 @@ contains
       value = banded_values(r, sums)
       ends = merge(spread(value, 1, 2)*band%bounds(), none, spread(value > 0 .and. band%known, 1, 2))
     end if
+    pressed = race_pressure(scene, loop%ball_force_max)
+    if (.not. pressed > 0) pressed = none
     safety = none
     if (allocated(loop%fatigue%safety)) safety = minval(loop%fatigue%safety)
     turning = none
@@ -54,6 +57,7 @@ contains
       minval(loop%turned_stiffness), maxval(loop%turned_stiffness)]
     values = [merge(r%k, none, r%k > 0), merge(r%hysteresis, none, r%has_hysteresis), &
       merge(r%lost_motion, none, r%has_lost_motion), reshape(ends, [2*banded]), loop%work, loop%dissipated, &
-      loop%dissipated_teeth, loop%stored - loop%stored_assembled, loop%ball_force_max, loop%tooth_force_max, safety, turning]
+      loop%dissipated_teeth, loop%stored - loop%stored_assembled, loop%ball_force_max, loop%tooth_force_max, safety, &
+      pressed, turning]
   end function loop_values
 end module hd_loop_results

@@ -3,6 +3,7 @@
 !> them, or what it rests on, leaves its range.
 module hd_last_words
   use hd_kinds, only: dp
+  use hd_ball_bearing, only: race_pressure
   use hd_checkpoint, only: mark_t
   use hd_facets, only: facets_t, sums_t
   use hd_joint, only: joint_t
@@ -36,12 +37,16 @@ contains
     type(loop_t), intent(in) :: loop          !< of a whole drive
     type(record_t), intent(inout) :: record   !< gets warnings
     type(string_t), allocatable :: lines(:)
+    character(len=:), allocatable :: pressed
     integer :: i
     if (mark%step%number == 0) return
     if (mark%strength%flexspline > 0) then
       call strength_warnings(mark%strength, scene, lines)
       call warn(record, lines)
-      call say('stress    '//strength_text(mark%strength, scene))
+      pressed = ''
+      if (race_pressure(scene, loop%ball_force_max) > 0) pressed = '; a ball presses '// &
+        rounded(race_pressure(scene, loop%ball_force_max))//' Pa on its race, ISO 76 allows 4.2e9'
+      call say('stress    '//strength_text(mark%strength, scene)//pressed)
     end if
     if (scene%support%contact) call judge_contact(scene, joint, mark, facets, sums, loop, record)  ! else bonded: no joint
     do i = 1, size(record%warnings)
@@ -123,6 +128,7 @@ contains
         call band%ranked(keys, part)
         quote = quote//', that of K2 made most by '//keys(1)%s//' ('//percent(part(1))//')'
       end if
+      if (scene%planned_tolerance > 0) quote = 'limits, not this mesh: '//quote//' times limit over value'
     else
       call say('drive     '//line)
       quote = 'variants beside each other; '//quote//' with their band, which run.band finds'

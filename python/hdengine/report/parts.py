@@ -27,6 +27,7 @@ from . import charts
 from .sketch import draw_scene
 
 __all__: list[str] = []
+ISO_76 = 4.2e9   # pressure of a ball at which it and its race keep a ten-thousandth of its diameter [Pa]
 OPEN = ("Answer", "Ended early", "Warnings", "Loads and strength", "Inputs at a glance", "Pictures", "Failed points",
         "Figure", "Drives")  # the other sections fold away
 
@@ -312,6 +313,9 @@ def _strength(result):
     if results.get("goodman_safety_min") is not None:
         rows.append(("fatigue of the cup", "", f"Goodman, limit {scene['fatigue.fatigue_limit'] / 1e6:.4g} MPa",
                      results["goodman_safety_min"]))
+    if results.get("ball_pressure_max_pa") is not None:
+        rows.append(("pressure of a ball on its race / MPa", f"{results['ball_pressure_max_pa'] / 1e6:.4g}", f"ISO 76, {ISO_76 / 1e6:.4g} MPa",
+                     ISO_76 / results["ball_pressure_max_pa"]))
     cells = "".join(f'<tr class="{"good" if safety >= 1 else "failed"}"><td>{name}</td><td>{value}</td><td>{beside}</td>'
                     f"<td>{safety:.3g} {'holds' if safety >= 1 else 'does not hold'}</td></tr>"
                     for name, value, beside, safety in rows)

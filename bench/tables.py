@@ -246,9 +246,9 @@ def drive_bands():
     """95 % bands over the catalogue, how wide they are, and the inputs that make them."""
     def cells(r):
         low, high, known = (np.array(r[k]) for k in ("low", "high", "catalogue"))
-        return (r["drive"].replace("_", "-"), *(f"{a:.2f} to {b:.2f}" for a, b in zip(low / known, high / known)), " / ".join(f"{w:.2f}" for w in high / low),
+        return (r["drive"].replace("_", "-"), *(f"{a:.2f} to {b:.2f}" for a, b in zip(low / known, high / known)), " / ".join(f"{w:.2f}" for w in high / low), " / ".join(f"{w:.2f}" for w in r["known"]),
                 ", ".join(f"`{key.split('.')[1]}` {100 * share:.0f} %" for key, share in list(r["shares"].items())[:2]))
-    return ("drive", "K1 over the catalogue's", "K2", "K3", "high over low", "what makes K2's"), [cells(r) for r in drive_rows("bands")]
+    return ("drive", "K1 over the catalogue's", "K2", "K3", "high over low", "fit, housing known", "what makes K2's"), [cells(r) for r in drive_rows("bands")]
 
 
 def drive_history():

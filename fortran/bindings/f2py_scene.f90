@@ -6,6 +6,7 @@ module f2py_scene
   use hd_input, only: read_scene
   use hd_json, only: json_t
   use hd_open_run, only: check_run
+  use hd_own_tolerances, only: mean_clearance
   use hd_joint_choice, only: choose_joint
   use hd_planner, only: plan_text
   use hd_scene, only: scene_t
@@ -18,7 +19,7 @@ module f2py_scene
   use hd_plausible, only: implausible
   implicit none
   private
-  public :: scene_text, series_mesh, handed_text, scene_cam, explain_text, scene_doubts
+  public :: scene_text, series_mesh, handed_text, scene_cam, fit_clearance, explain_text, scene_doubts
 
 contains
 
@@ -105,6 +106,15 @@ contains
     end if
     call tell(error, status)
   end subroutine scene_cam
+
+  !> Mean radial clearance of a bearing of normal class in a bore to H7, both in m.
+  subroutine fit_clearance(radius, clearance, status)
+    real(c_double), intent(in) :: radius
+    real(c_double), intent(out) :: clearance
+    integer(c_int), intent(out) :: status
+    clearance = mean_clearance(2*radius)
+    status = 0
+  end subroutine fit_clearance
 
   !> Meaning, unit and default of a key, of a group, or of all, as hdengine.x --explain tells them.
   subroutine explain_text(name, status)

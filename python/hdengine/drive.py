@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import argparse
 import re
+import shlex
 import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 
+from . import _engine
 from ._check import checked, flag, integer
 from ._engine import InputError
 from ._types import Value
@@ -27,14 +29,12 @@ if TYPE_CHECKING:
 
 __all__ = ["as_built"]
 RATIOS = (30, 200)  # of strain wave gears with two lobes: below, the teeth are too high to be bent in; above, too fine
-# diameters up to [m], widths of the tolerances of the bore (H7) and of the bearing (normal class) [m]
-WIDTHS = ((30e-3, 21e-6, 9e-6), (50e-3, 25e-6, 11e-6), (80e-3, 30e-6, 13e-6), (120e-3, 35e-6, 15e-6), (150e-3, 40e-6, 18e-6),
-          (180e-3, 40e-6, 25e-6), (250e-3, 46e-6, 30e-6))
 # bores of bearings up to [m], mean internal clearance of the normal class across the diameter (ISO 5753-1) [m]
 PLAYS = ((18e-3, 10.5e-6), (30e-3, 12.5e-6), (40e-3, 13e-6), (50e-3, 14.5e-6), (65e-3, 18e-6), (80e-3, 20e-6), (100e-3, 24e-6),
          (120e-3, 28e-6), (140e-3, 33e-6), (160e-3, 35.5e-6))
 TOOTH = 1.4e10    # stiffness of a pair of teeth over the width that touches (ISO 6336) [N/m2]
 DIAPHRAGM = 0.002  # thickness by radius squared, over the pitch diameter cubed (EP 1 628 045: 0.0014 to 0.0026)
+RIM = 0.427 / 0.36   # thickness of the rim over that of the wall, for the teeth's stiffness
 BORE = 24.6e-3   # of the bearing of size 14: 35 mm outside, two rings of 1 mm and a ball of 3.2 mm at either side [m]
 BEARINGS = ((35e-3, 6e-3), (42e-3, 7e-3), (62e-3, 9e-3))    # outer diameters and widths of flexible bearings [m]
 RINGS = ((14, 5e-3), (20, 6e-3), (25, 8e-3), (32, 10e-3), (40, 13e-3))  # sizes and widths of either ring of flat gears [m]
@@ -53,11 +53,6 @@ class Known(NamedTuple):
 KNOWN = {11: Known(5), 14: Known(7.8, 50, 11.25, 24.25), 17: Known(24, 60, 13.25, 30.25), 20: Known(40, 70, 15.5, 35.25),
          25: Known(67, 85, 19.25, 44.5), 32: Known(137, 110, 25.5, 57.75), 40: Known(265, 135, 30.5, 71), 45: Known(353, flange=80),
          50: Known(470, flange=88.5), 58: Known(696, flange=102.5), 65: Known(951), 80: Known(1800), 90: Known(2590)}
-
-
-def _clearance(diameter):
-    """Mean radial clearance of a normal bearing (ISO 492) in a bore to H7 (ISO 286) [m]."""
-    return next((bore + bearing) / 4 for most, bore, bearing in WIDTHS if diameter <= most)
 
 
 def _play(bore):
@@ -93,7 +88,7 @@ def _bodies(size, ratio, hat):
             + (DIAPHRAGM * (2.54e-3 * size) ** 3 / flange ** 2).tolist(),
             "sections_fillet": [0, 0, 0, 1.5e-3 * s, 0, 0, 0]}
     return geometry | {
-        "wall_thickness": 0.36e-3 * s * thin, "rim_thickness": 0.427e-3 * s * thin, "rim_taper": 1e-3 * s, "cup_length": 20e-3 * s,
+        "wall_thickness": 0.36e-3 * s * thin, "rim_thickness": RIM * 0.36e-3 * s * thin, "rim_taper": 1e-3 * s, "cup_length": 20e-3 * s,
         "bottom_thickness": 0.5e-3 * s, "hub_radius": KNOWN[size].clamp * 1e-3 or 15.5e-3 * size / 20}, {}
 
 
@@ -112,7 +107,7 @@ def _scene(size, ratio, hat):
     groups: dict[str, dict[str, Any]] = {
         "run": {"title": f"whole drive, size {size}, ratio {ratio}" + (", silk hat" if hat else "")},
         "geometry": geometry, "cup": cup, "mesh": {"divisions": 86, "band_facets": 10},
-        "wave_generator": {"w": 0.2e-3 * s * 100 / ratio, "cam": "cosine", "clearance": _clearance(2 * geometry["bore_radius"])},
+        "wave_generator": {"w": 0.2e-3 * s * 100 / ratio, "cam": "cosine", "clearance": float(_engine.call("fit_clearance", geometry["bore_radius"]))},
         "bearing": {"balls": 21, "ball_diameter": 3.2e-3 * s, "clearance": _play(BORE * s)}, "contact": {"friction": 0.1},
         "load": {"support": "drive", "torque": known.torque, "torque_steps": 10, "teeth": 2 * ratio,
                  "tooth_pairs": 2 * round(0.2 * ratio), "pressure_angle_deg": _pressure_angle(ratio),
@@ -180,6 +175,9 @@ def as_built(size: int, ratio: int = 100, hat: bool = False, **keys: Value) -> d
         del groups["wave_generator"]["clearance"]
     for group, known in given.items():
         groups[group] = groups.get(group, {}) | known
+    if "wall_thickness" in given.get("geometry", {}) and "rim_thickness" not in given["geometry"] and not hat:
+        wall = read_scene("", geometry__wall_thickness=given["geometry"]["wall_thickness"])["geometry.wall_thickness"]
+        groups["geometry"]["rim_thickness"] = RIM * wall
     scene = read_scene("", **cast("SceneKeys", groups))
     if scene["load.teeth"] != 2 * ratio:
         raise InputError(f"load.teeth = {scene['load.teeth']} with ratio = {ratio}: must be twice that; give the ratio alone")
@@ -217,7 +215,8 @@ def write_drive(args: argparse.Namespace) -> int:
     check_file(path, args.force)
     groups = as_built(args.size, args.ratio, args.hat, **given_keys(args.assignments))
     whole = f"Whole drive of size {args.size}, ratio {args.ratio}" + ", silk hat" * args.hat
-    made = f"hdengine new {args.size}" + f" --ratio {args.ratio}" * (args.ratio != 100) + " --hat" * args.hat
+    made = " ".join(["hdengine", "new", str(args.size), *["--ratio", str(args.ratio)] * (args.ratio != 100), *["--hat"] * args.hat,
+                     *(shlex.quote(word) for text in args.assignments for word in text.splitlines())])
     head = f"""\
 ! {whole}, as it is built: fit, balls, ring, contact with friction, cup, teeth
 ! and circular spline, over the loop that a bench measures (docs/explain/drive.md). Made by '{made}' from one

@@ -18,6 +18,7 @@ module hd_tolerance_runs
   use hd_march, only: march
   use hd_mesh_series, only: small_displacements
   use hd_model, only: model_t, give_back
+  use hd_own_tolerances, only: mean_clearance
   use hd_parameter_row, only: stage_model
   use hd_parameters, only: parameter_t, parameter_table_t, new_table, value_count, value_text
   use hd_run, only: run_t, new_run, close_run, differentiate_run, leave_model
@@ -37,6 +38,8 @@ module hd_tolerance_runs
   !> Change over value up to which derivatives do. Friction, by half of it, changes K1 of drive14 by 5 %; runs say -6 and 4 %. For
   !> its clearance, by 0.8 of it, they say 8 %; runs 9 and -17 %.
   real(dp), parameter :: small = 0.6_dp
+
+  character(len=27), parameter :: fit(2) = [character(len=27) :: 'wave_generator.clearance', 'wave_generator.interference']
 
   !> A key that has a tolerance, and a part in the drive.
   type :: input_t
@@ -289,6 +292,8 @@ contains
     type(parameter_t), intent(in) :: p   !< row
     type(scene_t), intent(in) :: scene   !< scene
     takes_part = p%tolerance > 0 .and. .not. is_idle(scene, p%group, p%key)
+    if (p%key == 'interference') takes_part = takes_part .and. scene%interference > 0
+    if (p%group == 'wave_generator' .and. p%key == 'clearance') takes_part = takes_part .and. .not. scene%interference > 0
     if (p%key == 'tooth_gaps') takes_part = takes_part .and. scene%tooth_pairs <= most_gaps
   end function takes_part
 
@@ -315,8 +320,12 @@ contains
         before = value_text(p)
         if (input%key%s == 'load.tooth_gaps') moved%gaps_back = moved_value(p, moved%gaps_back, side, scene%bore_radius)
         if (associated(p%real)) x = p%real
-        call move(p, side, scene%bore_radius)
-        if (value_text(p) /= before) then
+        if (any(input%key%s == fit)) then
+          call move_fit(p, side, moved)
+        else
+          call move(p, side, scene%bore_radius)
+        end if
+        if (value_text(p) /= before .or. any(input%key%s == fit)) then
           input%ends = input%ends + 1
           at(input%ends) = moved
           if (associated(p%real)) input%change = [input%change, p%real - x]
@@ -326,6 +335,19 @@ contains
     end do
     if (any(abs(input%change) > small*abs(x))) input%change = [real(dp) ::]
   end subroutine move_to_ends
+
+  !> Move the fit to an end of its tolerance: clearance and interference are one number, either side of 0.
+  pure subroutine move_fit(p, side, scene)
+    type(parameter_t), intent(in) :: p       !< row of either
+    integer, intent(in) :: side              !< -1 lower end, 1 upper end
+    type(scene_t), intent(inout) :: scene    !< gets both
+    real(dp) :: gap, width
+    width = p%tolerance
+    if (p%tolerance_of == 'fit') width = width*mean_clearance(2*scene%bore_radius)
+    gap = scene%clearance - scene%interference + merge(-side, side, p%key == 'interference')*width
+    scene%clearance = max(gap, 0._dp)
+    scene%interference = max(-gap, 0._dp)
+  end subroutine move_fit
 
   !> Clearances of all pairs as lists of both flanks.
   pure subroutine list_gaps(scene)

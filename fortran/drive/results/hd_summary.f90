@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> summary.json: the last file of a run, and the proof that it ended as it says.
 module hd_summary
-  use, intrinsic :: iso_fortran_env, only: compiler_version
+  use, intrinsic :: iso_fortran_env, only: compiler_version, int64
   use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
   use hd_kinds, only: dp
+  use hd_checksum, only: file_checksum, hexadecimal, whole
   use hd_clock, only: timestamp
   use hd_cost, only: forecast_t
   use hd_drive, only: drive_t
@@ -118,6 +119,7 @@ contains
     call add_lines(json, 'warnings', record%warnings)
     call add_provenance(json, solver, record)
     call add_scene(json, scene)
+    call add_input_files(json, scene)
     call json%seal(folder, result_files)
     call json%write_atomic(folder//'/summary.json', error)
   end subroutine write_summary
@@ -398,4 +400,26 @@ contains
     end do
     call json%finish()
   end subroutine add_scene
+
+  !> Checksums of the tables that keys name.
+  subroutine add_input_files(json, scene)
+    type(json_t), intent(inout) :: json   !< document
+    type(scene_t), intent(in) :: scene    !< scene
+    if (scene%files == 0) return
+    call json%begin('input_files')
+    call add_file('wave_generator.cam_file', scene%cam_file)
+    call add_file('joint.table_file', scene%joint_table)
+    call add_file('joint.spectrum_file', scene%joint_spectrum)
+    call json%finish()
+  contains
+    !> One of them.
+    subroutine add_file(key, path)
+      character(len=*), intent(in) :: key, path  !< key, file or ''
+      integer(int64) :: sum
+      integer :: status
+      if (len_trim(path) == 0) return
+      call file_checksum(trim(path), whole, sum, status)
+      if (status == 0) call json%add(key, hexadecimal(sum))
+    end subroutine add_file
+  end subroutine add_input_files
 end module hd_summary

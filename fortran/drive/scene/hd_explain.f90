@@ -110,6 +110,9 @@ contains
       s = s//'+-'//percent(p%tolerance)
     else if (p%tolerance_of == 'bore') then
       s = s//'all +-'//rounded(p%tolerance)//' times geometry.bore_radius'
+    else if (p%tolerance_of == 'fit') then
+      s = s//'+-'//rounded(p%tolerance)//' times the mean clearance of the bore, 9 um from 30 to 50 mm; '// &
+        'below 0 it is an interference'
     else
       s = s//'+-'//trim(rounded(p%tolerance)//' '//p%unit)
     end if

@@ -10,6 +10,7 @@ module hd_input
   use hd_cam_table, only: cam_table_t, read_cam_table
   use hd_conditions, only: check_scene
   use hd_cup_sections, only: adopt_sections
+  use hd_own_tolerances, only: take_tolerances
   use hd_parameters, only: parameter_table_t, new_table, groups_of, keys_of, assign_words, value_text
   use hd_plausible, only: slips_of
   use hd_scene, only: scene_t
@@ -61,6 +62,7 @@ contains
       call apply_fit(path(:index(path, '/', back=.true.)), scene, table, error)
       if (allocated(error)) return
     end if
+    call take_tolerances(scene%tolerances, table, list%faults)
     if (size(list%faults) == 0) scene%support = support_of(scene%support%name)
     if (size(list%faults) == 0) scene%surface_only = surface_alone(table)
     if (size(list%faults) == 0 .and. .not. scene%surface_only .and. scene%cam == 'table' .and. len_trim(scene%cam_file) > 0) then

@@ -8,6 +8,7 @@ module hd_parameters
   use hd_unit, only: in_unit, other_units
   use hd_cup_sections, only: add_cup_keys
   use hd_drive_keys, only: add_drive_keys
+  use hd_own_tolerances, only: take_tolerances
   use hd_scene, only: scene_t
   use hd_support, only: support_names, support_words
   use hd_surface_keys, only: add_surface_keys, add_fit_keys
@@ -15,6 +16,9 @@ module hd_parameters
   private
   public :: parameter_t, parameter_table_t, new_table, groups_of, keys_of, assign_words, value_text, &
     value_count, range_text
+
+  !> Over the mean clearance: of two even zones, 25 and 11 um wide to 50 mm, 95 % of the sums lie within it of the mean.
+  real(dp), parameter :: fit_width = 0.79_dp
 
 contains
 
@@ -33,6 +37,7 @@ contains
     do i = 1, size(table%rows)
       table%rows(i)%default = value_text(table%rows(i))
     end do
+    call take_tolerances(scene%tolerances, table)
   end subroutine new_table
 
   !> Geometry, material and mesh.
@@ -50,6 +55,9 @@ contains
     call add_choice(t, 'run', 'band', 'output', s%with_band, 'auto .false. .true.', &
       "95 % band of what a loop says, by the tolerances of its inputs, with support 'drive'; auto: small tolerances by "// &
       'derivatives, others by runs on a coarse mesh, no band of K_TS, none where run.gradient has none; .true.: all by runs')
+    call add_choice(t, 'run', 'tolerances', 'output', s%tolerances, '', &
+      "tolerances of your own for the band, half widths in the place of those stated here: 'wave_generator.clearance=2 um, "// &
+      "load.spline=0'; 0 leaves an input out")
     call add_choice(t, 'run', 'gradient', 'control', s%with_gradient, '.false. .true.', &
       'derivatives of the results by every number of the drive that is in use, by adjoint differentiation along the load '// &
       'steps, under small displacements')
@@ -146,13 +154,12 @@ contains
       'direction of the shift, from the long axis', closed=.true.)
     call add_real(t, 'wave_generator', 'interference', 'assembly', s%interference, 'm', 0._dp, big, &
       'radial interference of ring and flexspline', closed=.true.)
-    call tolerate(t, 0.5_dp, 'value', 'estimate')
+    call tolerate(t, fit_width, 'fit', 'ISO 286 H7, ISO 492')
     call add_real(t, 'wave_generator', 'clearance', 'assembly', s%clearance, 'm', 0._dp, big, &
       'radial clearance of the bearing in the flexspline before it is bent. It and interference are one fit: where a file, or '// &
       'the keys given beside it, hold one of them alone, the other is 0. H7 bore and normal bearing: 0 to 15 um to 30 mm, '// &
       '0 to 18 um to 50 mm, 0 to 21.5 um to 80 mm, 0 to 25 um to 120 mm', closed=.true.)
-    ! of two even zones, 25 and 11 um wide to 50 mm, 95 % of the sums lie within 0.79 of the ends
-    call tolerate(t, 0.79_dp, 'value', 'ISO 286 H7, ISO 492')
+    call tolerate(t, fit_width, 'fit', 'ISO 286 H7, ISO 492')
   end subroutine add_wave_generator_keys
 
   !> Contact and load.

@@ -22,7 +22,7 @@ module hd_scene
     integer :: version = 1
     character(len=title_length) :: title = ''
     real(dp) :: planned_tolerance = 0
-    character(len=path_length) :: wanted = ''
+    character(len=path_length) :: wanted = '', tolerances = ''
     character(len=name_length) :: with_band = 'auto', with_gradient = '.false.'
     ! geometry
     real(dp) :: bore_radius = 17.5e-3_dp, wall_thickness = 0.36e-3_dp, rim_thickness = 0.427e-3_dp

@@ -19,7 +19,7 @@ import numpy as np
 
 from . import _engine, completion, drive
 from ._engine import EngineMemoryError, FileError, HdengineError, NotConvergedError, StoppedError
-from .catalogue import UNITS, rated_torque
+from .catalogue import UNITS
 from .contact import Run, doubts, given_keys, heard, read_scene
 from .export import command as export_command
 from .files import check_file, check_folder
@@ -58,8 +58,8 @@ def _folder(path):
     return f"{Path(path).stem or 'results'}.out"
 
 
-def _jobs(text):
-    """Number of worker processes."""
+def _count(text):
+    """A number of worker processes, or of draws."""
     try:
         if int(text) >= 1:
             return int(text)
@@ -242,7 +242,7 @@ def _record(args):
     check_folder(out, Record.FILES, args.force)
     record = Record.read(args.input, torque_error_nm=args.torque_error, angle_error_rad=args.angle_error * ARCSEC)
     print(record)
-    numbers = record.numbers(UNITS[args.size], rated_torque(args.size) if args.rated_torque is None else args.rated_torque)
+    numbers = record.numbers(UNITS[args.size], args.rated_torque)
     for name, values in numbers.items():
         scale, unit = (1 / ARCSEC, "arcsec") if not name.startswith("k") else (1, "N m/rad")
         value, low, high = (scale * v for v in values)
@@ -296,7 +296,7 @@ def make_parser() -> argparse.ArgumentParser:
     study = _command(commands, "study", _study, "solve a scene at many points; an unfinished study is continued",
                      "study data/fig13_w.toml --jobs 2")
     study.add_argument("input", help="study (TOML)")
-    study.add_argument("--jobs", type=_jobs, default=1, help="worker processes (default: this process alone)")
+    study.add_argument("--jobs", type=_count, default=1, help="worker processes (default: this process alone)")
     study.add_argument("--check", action="store_true", help="check the study and the scene of a point, then stop")
     study.add_argument("-q", "--quiet", action="store_true", help="no progress")
     study.add_argument("--retry", action="store_true", help="solve failed points again")
@@ -325,13 +325,13 @@ def make_parser() -> argparse.ArgumentParser:
                            "sensitivity cd14.out --drive")
     sensitivity.add_argument("folder", help="folder of a run")
     sensitivity.add_argument("--drive", action="store_true", help="also geometry, material, wave generator (solved anew)")
-    sensitivity.add_argument("--draws", type=int, default=500, help="of the bands")
+    sensitivity.add_argument("--draws", type=_count, default=500, help="of the bands")
     sensitivity.add_argument("--force", action="store_true", help="solve anew what --drive solved for an earlier run")
     record = _command(commands, "record", _record, "stiffness, hysteresis and lost motion from a torque-angle record",
                       "record data/torque_record.csv --size 14")
     record.add_argument("input", help="CSV with columns torque_nm and angle_rad or angle_arcsec, a whole loop")
     record.add_argument("--size", type=int, choices=tuple(UNITS), default=14, help="size whose T1 and T2 are used")
-    record.add_argument("--rated-torque", type=float, help="lost motion is read at 4 %% of it [N m] (default: the size's)")
+    record.add_argument("--rated-torque", type=float, help="lost motion is read at 4 %% of it [N m] (default: the size's at ratio 100)")
     record.add_argument("--torque-error", type=float, default=0.05, help="of the bench [N m]")
     record.add_argument("--angle-error", type=float, default=2.0, help="of the bench [arcsec]")
     record.add_argument("--out", help="folder for record.json, curve.csv, record.png, scene.nml (default: the record's stem.out)")

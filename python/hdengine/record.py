@@ -13,7 +13,7 @@ from ._check import array, checked, fields, flag, integer, kind, mapping, number
 from ._check import path as a_path
 from ._engine import InputError
 from ._types import PathLike
-from .catalogue import UNITS, Unit, stages
+from .catalogue import UNITS, Unit, rated_torque, stages
 from .files import check_folder, csv_text, write_folder
 from .smoothing import Spline
 from .table_file import numbers, text_rows
@@ -167,7 +167,7 @@ class Record:
         return cls(torque, angle * (ARCSEC if angles[0] == "angle_arcsec" else 1), **errors)
 
     def _split(self):
-        """Slices between turning points of the torque; a reversal counts once it exceeds a tenth of the range."""
+        """Slices between turning points of the torque, both ends in; a reversal counts once it exceeds a tenth of the range."""
         t, limit = self.torque_nm, TURN * np.ptp(self.torque_nm)
         turns, sense, extreme = [0], 0, 0
         for i, value in enumerate(t):
@@ -180,7 +180,7 @@ class Record:
                 turns.append(extreme)
                 sense, extreme = -sense, i
         turns.append(len(t))
-        return [slice(a, b) for a, b in zip(turns, turns[1:])]
+        return [slice(a, min(b + 1, len(t))) for a, b in zip(turns, turns[1:])]
 
     def _branch(self, sense):
         """Last branch of a sense that crosses zero with both ends well away from it."""
@@ -251,7 +251,7 @@ class Record:
         unit : catalogue.Unit, optional
             Its T1 and T2 are used for K1, K2, K3 (chords of the rise from zero torque, as of a run's loop); default: size 14.
         rated_torque_nm : float, optional
-            Lost motion is the turn of the middle curve between -4 % and +4 % of it; default: the highest torque.
+            Lost motion is the turn of the middle curve between -4 % and +4 % of it; default: the size's at ratio 100.
 
         Returns
         -------
@@ -271,7 +271,7 @@ class Record:
             raise InputError(f"the record goes to {top:.4g} N m, drives of size {unit.size} to {peak:.2g} N m for a moment: "
                              f"give its size; or did you mean {top / 1e3:.4g} N m ({top:.4g} mN m)?")
         torque = np.linspace(0, min(f.high for f in self._fits.values()), 400)
-        four = 0.04 * (rated_torque_nm or self.torque_nm.max())
+        four = 0.04 * (rated_torque_nm or rated_torque(unit.size))
         later = 1 if self.up.start > self.down.start else -1
         ends = [f.high if later > 0 else f.low for f in self._fits.values()]
         turned = np.array([later * min(later * end for end in ends)])

@@ -22,7 +22,7 @@ from ._types import PathLike
 from .elastic import ElasticJoint, joint_of_scene
 from .files import write_files
 from .joint import Joint
-from .summary_file import read_summary, written
+from .summary_file import check_inputs, check_same_run, read_summary, written
 from .table_file import read_csv
 from .views.labels import LOOP
 
@@ -116,7 +116,7 @@ class Result:
 
     @checked(folder=a_path)
     def __init__(self, folder: PathLike) -> None:
-        self.folder = Path(folder)
+        self.folder = Path(folder).absolute()  # a program may go elsewhere
         self.summary = read_summary(folder, "title", "status", "scene", "results", "model", "joint", "warnings")
         self._whole: set[str] = set()   # tables that are known to be as the run left them
         self.steps = self._table("steps", "step", "torque_nm", "load_factor")
@@ -131,12 +131,15 @@ class Result:
         self.shape = int(last["i_theta"][-1]), int(last["i_z"][-1])
 
     def _table(self, name, *needed, step=None):
-        """A table of the run, which is as the run left it."""
+        """A table of the run, which is as the run left it; nothing writes into it."""
         path = self.folder / f"{name}.csv"
+        check_same_run(self.folder, self.summary)
         if name not in self._whole:
             written(self.folder, path.name, self.summary)
             self._whole.add(name)
-        return read_csv(path, *needed, step=step)
+        table = read_csv(path, *needed, step=step)
+        table.flags.writeable = False
+        return table
 
     @functools.cached_property
     def contact(self) -> dict:
@@ -397,6 +400,7 @@ class Result:
     @checked(step=integer(-2**31))
     def joint_at(self, step: int) -> Joint | ElasticJoint:
         """The Joint of a load step: its shear is capped by the friction of that step (contact.torque_friction under a torque)."""
+        check_inputs(self.summary)
         return joint_of_scene(self.scene, float(self.steps["friction"][self._row(step)]))
 
     def gradient(self) -> dict[str, dict[str, float]]:
@@ -419,10 +423,14 @@ class Result:
         ------
         InputError
             Large displacements, the teeth alone, `load.tooth_friction`, or `loop.history` 'turned'.
+        FileError
+            The folder holds another run by now, or a table that a key names has changed.
         NotConvergedError
             The equations behind the derivatives could not be solved.
         """
         if "gradient" not in self.summary:
+            check_same_run(self.folder, self.summary)
+            check_inputs(self.summary)
             with tempfile.TemporaryDirectory() as folder:
                 handle = _engine.call("run_open", str(self.folder / "echo.nml"), _GRADIENT, f"{folder}/r", 1, 0, 1)
                 try:

@@ -37,6 +37,20 @@ def written(folder: PathLike, name: str, summary: dict) -> Path:
     return path
 
 
+def check_same_run(folder: PathLike, summary: dict) -> None:
+    """Raise FileError unless a folder still holds the run whose summary this is."""
+    path = input_file(Path(folder) / "summary.json")
+    if f'"checksum": "{summary["checksum"]}"'.encode() not in path.read_bytes()[-80:]:
+        raise FileError(f"'{folder}' holds another run by now: give every run a folder of its own, or hdengine.load it anew")
+
+
+def check_inputs(summary: dict) -> None:
+    """Raise FileError where a table that a key names is not as the run read it."""
+    for key, kept in summary.get("input_files", {}).items():
+        if checksum(summary["scene"][key]) != kept:
+            raise FileError(f"'{summary['scene'][key]}' ({key}) is not as the run read it: run it again")
+
+
 def _changed(path):
     return FileError(f"'{path}' is not as the run left it (its checksum differs): run it again")
 

@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from . import torsion
-from ._check import RUN, alike, checked, integer
+from . import _engine, torsion
+from ._check import RUN, alike, checked, flag, integer
+from ._check import path as a_path
 from ._engine import InputError
 from ._types import PathLike, Value
 from .contact import read_scene
@@ -21,6 +22,7 @@ from .files import check_file, json_text, write_files, writing
 from .results import Result, facet_stiffness
 from .studies.progress import Progress
 from .studies.study import Study, StudyResult
+from .summary_file import check_inputs
 
 __all__ = ["ContactField", "analyse"]
 # key: (low, high, why)
@@ -61,7 +63,7 @@ def ranges_of(scene: Mapping, ranges: Mapping) -> dict:
     """Ranges of JOINT or DRIVE, which are those of CD-14, about the values of a scene.
 
     D moves with the scene's, what is of its size or its surface is in proportion to it; friction, eccentricity and moduli stay. A
-    clearance, from 0 to twice its value, takes the place of the interference. What cup.sections settle has no range, nor has what
+    clearance, by the mean that bore and bearing have about its value, takes the place of the interference. What cup.sections settle has no range, nor has what
     the law of the joint does not read.
 
     Parameters
@@ -80,7 +82,8 @@ def ranges_of(scene: Mapping, ranges: Mapping) -> dict:
         if key == "joint.fractal_dimension":
             low, high = np.clip(np.array([low, high]) + (own[key] - known[key]), 2.001, 2.999).tolist()
         elif key == "wave_generator.interference" and own["wave_generator.clearance"] > 0:
-            key, low, high, why = "wave_generator.clearance", 0.0, 2 * own["wave_generator.clearance"], "ISO 286 H7, ISO 492"
+            gap, mean = own["wave_generator.clearance"], _engine.call("fit_clearance", own["geometry.bore_radius"])
+            key, low, high, why = "wave_generator.clearance", max(0.0, gap - mean), gap + mean, "ISO 286 H7, ISO 492"
         elif key.startswith(("joint.", "geometry.", "wave_generator.w", "wave_generator.interference")):
             low, high = (end * (own[key] / known[key]) for end in (low, high))
         found[key] = low, high, why
@@ -103,6 +106,7 @@ class ContactField:
     @checked(result=RUN, step=integer(-2**31))
     def __init__(self, result: Result, step: int = -1) -> None:
         self.scene = dict(result.scene)
+        self._summary = result.summary
         self._facets = c = dict(result.contact_at(step))
         self._place = np.stack([c["x_m"], c["y_m"], c["z_m"]], -1), np.stack([c["bent_n_x"], c["bent_n_y"], c["bent_n_z"]], -1)
         self.torque_nm = float(result.torque_nm[step])
@@ -115,6 +119,7 @@ class ContactField:
         """K_TS [N m/rad] with some keys changed ('group.key' or group__key)."""
         scene = {**self.scene, **{k.replace("__", ".", 1): v for k, v in keys.items()}}
         changed = "contact.friction" in {k.replace("__", ".", 1) for k in keys}
+        check_inputs(self._summary)
         joint = joint_of_scene(scene, None if changed else self._friction)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -423,6 +428,7 @@ def drive_bands(factors: dict, base: float) -> tuple[dict, dict]:
     return bands, {key: v / total for key, v in sorted(variances.items(), key=lambda item: -item[1])}
 
 
+@checked(folder=a_path, drive=flag, draws=integer(1), sobol=integer(1), show=flag, force=flag)
 def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int = 128, show: bool = True,
             force: bool = False) -> dict:
     """Tornado, bands and indices of a finished run, into its folder.

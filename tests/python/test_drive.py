@@ -2,6 +2,7 @@
 """The whole drive in one scene: balls, ring, cup, friction, teeth, and the loop (docs/explain/drive.md)."""
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -140,8 +141,8 @@ def test_senses_of_torque_are_alike(exe, tmp_path):
     np.testing.assert_allclose(minus["ball_force_max_n"], plus["ball_force_max_n"], rtol=1e-6)
 
 
-def race_rate(diameter, race, conformity, modulus):
-    """Force over approach^1.5 of a ball on a race by scipy's elliptic integrals [N/m^1.5]."""
+def race_contact(diameter, race, conformity, modulus):
+    """Force over approach^1.5 of a ball on a race by scipy's elliptic integrals [N/m^1.5], and its largest pressure under 1 N [Pa]."""
     along, across = 2 / diameter + 1 / race, 2 / diameter - 1 / (conformity * diameter)
     total = along + across
 
@@ -152,15 +153,19 @@ def race_rate(diameter, race, conformity, modulus):
     kappa = brentq(difference, 1.001, 1e3, xtol=1e-13)
     k, e = ellipk(1 - kappa**-2), ellipe(1 - kappa**-2)
     approach = 2 * k / np.pi * (np.pi / (2 * kappa**2 * e)) ** (1 / 3)
-    return 2 / 3 * total * modulus * (2 / (approach * total)) ** 1.5
+    long = (2 * kappa**2 * e / np.pi * 3 / (2 * total * modulus)) ** (1 / 3)
+    return 2 / 3 * total * modulus * (2 / (approach * total)) ** 1.5, 1.5 / (np.pi * long**2 / kappa)
 
 
 def test_balls_follow_hertz(drive):
-    """Every ball carries K closing^1.5, K of both races in series by scipy's elliptic integrals; none pulls."""
+    """Every ball carries K closing^1.5, K of both races in series by scipy's elliptic integrals; none pulls. The largest pressure is that of the
+    largest force on the race that it is highest on."""
     balls = drive[2]
     modulus = 1 / ((1 - 0.3**2) / 208e9 + (1 - 0.3**2) / 219e9)
-    rates = [race_rate(3.2e-3, 13.3e-3, 0.52, modulus), race_rate(3.2e-3, -16.5e-3, 0.52, modulus)]
+    rates, pressures = zip(race_contact(3.2e-3, 13.3e-3, 0.52, modulus), race_contact(3.2e-3, -16.5e-3, 0.52, modulus))
     rate = sum(k ** (-2 / 3) for k in rates) ** -1.5
+    found = drive[1]["results"]
+    assert found["ball_pressure_max_pa"] == pytest.approx(max(pressures) * found["ball_force_max_n"] ** (1 / 3), rel=1e-8)
     np.testing.assert_allclose(balls["force_n"], rate * np.maximum(balls["closing_m"], 0) ** 1.5, rtol=1e-8, atol=1e-9)
     assert np.any(balls["force_n"] == 0) and np.any(balls["force_n"] > 50)
 
@@ -623,6 +628,7 @@ def test_shipped_drives_are_written_by_the_command(name, args, tmp_path, monkeyp
             assert value == stated
     assert cli.main(["new", *args]) == cli.main(["new", *args, "--out", "none/x.nml"]) == hdengine.FileError.code
     assert cli.main(["new", *args, "run.title=it's 'so'", "mesh.divisions=24", "mesh.band_facets=3", "--out", "t.nml"]) == 0 and hdengine.read_scene("t.nml")["run.title"] == "it's 'so'"
+    assert "mesh.band_facets=3' from one" in Path("t.nml").read_text()   # the command that makes it again
 
 
 def test_any_size_and_ratio_is_built(tmp_path):
@@ -685,6 +691,7 @@ def test_what_is_known_of_a_drive_takes_its_place():
     plain = hdengine.as_built(20, 80, mesh=mesh)
     pressed = hdengine.as_built(20, 80, mesh=mesh, wave_generator={"interference": 5e-6}, geometry__wall_thickness="0.6 mm")
     assert pressed["geometry"]["wall_thickness"] == "0.6 mm" and "clearance" not in pressed["wave_generator"]
+    assert pressed["geometry"]["rim_thickness"] == pytest.approx(0.6e-3 * 0.427 / 0.36)   # the teeth stiffen the wall that is given
     assert pressed["load"]["tooth_gaps"] != plain["load"]["tooth_gaps"] and pressed["loop"] == plain["loop"]
     asked = hdengine.as_built(20, 80, mesh=mesh, run={"tolerance": 0.1}, turning={"positions": 3})
     assert asked["load"] == plain["load"] and asked["run"]["tolerance"] == 0.1  # what a run is asked for does not touch its assembly

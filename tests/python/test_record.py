@@ -36,7 +36,7 @@ def test_perfect_readings_give_the_curve():
     at = np.linspace(0.5, 4.8, 20)
     k = np.interp(at, curve.torque_nm, curve.stiffness_nm_per_rad)
     np.testing.assert_allclose(k, bench.stiffness(at), rtol=0.02)
-    numbers = r.numbers(draws=2)
+    numbers = r.numbers(rated_torque_nm=5, draws=2)
     assert numbers["hysteresis_rad"][0] == pytest.approx(2 * bench.WIDTH, rel=0.02)
     assert numbers["lost_motion_rad"][0] == pytest.approx(2 * bench.angle(0.2), rel=0.02)
     assert numbers["k1_nm_per_rad"][0] == pytest.approx(2 / (bench.angle(2.0) + bench.WIDTH * 0.4**2), rel=0.01)
@@ -99,6 +99,11 @@ def test_branches_are_found():
     torque, turn = bench.record()
     r = Record(torque, turn)
     assert len(r.branches) == 3 and r.torque_nm[r.up][-1] > 4.9 and r.torque_nm[r.down][-1] < -4.9
+    few = np.concatenate([np.linspace(*ends, 8, endpoint=False) for ends in ((0, 28), (28, -28), (-28, 28), (28, 0))] + [[0.0]])
+    stiff = Record(few, few / 2e4)   # a branch has both of its ends
+    assert stiff.torque_nm[stiff.up].tolist() == np.linspace(-28, 28, 9).tolist() and stiff.torque_nm[stiff.down][[0, -1]].tolist() == [28, -28]
+    assert stiff.numbers(UNITS[20], draws=2)["k3_nm_per_rad"][0] == pytest.approx(2e4)
+    assert stiff.numbers(UNITS[20], draws=2)["lost_motion_rad"][0] == pytest.approx(0.08 * 40 / 2e4)   # at 4 % of the size's rated torque
     with pytest.raises(hdengine.InputError, match="no rising branch"):
         Record(torque[:250], turn[:250])
     with pytest.raises(hdengine.InputError, match="as many torques as angles"):

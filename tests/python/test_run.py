@@ -413,3 +413,35 @@ def test_one_step_is_read_alone(small_run, tmp_path):
         alone = hdengine.table_file.read_csv(bare, step=int(step))
         for facets in (run.contact_at(i), {name: alone[name] for name in alone.dtype.names}):
             assert facets.keys() == run.contact.keys() and all(np.array_equal(column[i], facets[name]) for name, column in run.contact.items())
+
+
+def test_a_result_is_of_its_own_run(exe, tmp_path, monkeypatch):
+    """A folder that another run was written into gives nothing of it to a result of the first; what a result has read stays, is not written into,
+    and is read from where it was after the program has gone elsewhere."""
+    monkeypatch.chdir(tmp_path)
+    first = solve_small(exe, "a.out", "load.torque_steps=1")
+    (tmp_path / "other").mkdir()
+    monkeypatch.chdir(tmp_path / "other")
+    with pytest.raises(ValueError, match="read-only"):
+        first.contact_at(-1)["pressure_pa"] *= 2
+    kept = first.contact_at(-1)["pressure_pa"].copy()
+    solve_small(exe, tmp_path / "a.out", "load.torque_steps=1", "contact.friction=0.3", "--force")
+    np.testing.assert_array_equal(first.contact_at(-1)["pressure_pa"], kept)
+    for ask in (lambda: first.contact, first.gradient, lambda: first.frame("contact")):
+        with pytest.raises(hdengine.FileError, match="holds another run by now"):
+            ask()
+
+
+def test_a_table_of_a_key_is_that_of_the_run(exe, tmp_path):
+    """Joint and gradient of a run whose joint's table has changed since are refused; the summary has the table's checksum."""
+    table = tmp_path / "kn.csv"
+    table.write_text("pressure_pa,k_n_pa_per_m\n1e3,1e11\n1e6,1e13\n1e9,1e15\n")
+    found = solve_small(exe, tmp_path / "a.out", "load.torque_steps=1", "joint.model=table", f"joint.table_file={table}")
+    assert found.summary["input_files"] == {"joint.table_file": _engine.checksum(table)}
+    k = found.joint.stiffness(5e6, 0.0, 1.0)[0]
+    field = hdengine.uncertainty.ContactField(found)
+    assert field.k_ts() > 0 and k > 0
+    table.write_text(table.read_text().replace("1e13", "3e13"))
+    for ask in (lambda: found.joint, field.k_ts, found.gradient):
+        with pytest.raises(hdengine.FileError, match="kn.csv.*is not as the run read it"):
+            ask()

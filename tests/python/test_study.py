@@ -86,6 +86,10 @@ def test_table_holds_the_runs(tmp_path):
         assert [r["k_ts_nm_per_rad"] for r in rows] == pytest.approx([s.k_ts_nm_per_rad for s in steps], rel=1e-12)
         assert all(r["wave_generator.w"] == w for r in rows)
     assert len(result.select(torque_nm=5.0, wave_generator__w=0.2e-3)) == 1
+    for ask in (lambda: result.column("k_ts_nm_per_radd"), lambda: result.select(wave_generator__ww=0.2e-3)):
+        with pytest.raises(hdengine.InputError, match="did you mean"):
+            ask()
+    assert hdengine.Study(grid={"contact__friction": [0.1]}).grid == {"contact.friction": [0.1]}
     assert {name for r in result.rows for name in r} == {"wave_generator.w", *small()._columns()}   # of which a figure is checked
     assert plot_study(result)[0].stat().st_size > 10000
 

@@ -83,6 +83,8 @@ class Study:
 
     def __post_init__(self) -> None:
         fields(self, scene=a_path, grid=mapping, together=mapping, fixed=mapping, rows=text, title=text, figure=mapping)
+        self.grid, self.together, self.fixed = ({k.replace("__", ".", 1) if isinstance(k, str) else k: v for k, v in keys.items()}
+                                                for keys in (self.grid, self.together, self.fixed))
         for name, keys in (("grid", self.grid), ("together", self.together)):
             for key, values in keys.items():
                 if isinstance(values, (np.ndarray, range)):
@@ -481,19 +483,28 @@ class StudyResult:
 
     @checked(name=text)
     def column(self, name: str, rows: Sequence[Mapping] | None = None) -> np.ndarray:
-        """A column as an array; NaN where a row has no value."""
+        """A column as an array; NaN where a row has no value. InputError: no row has such a column."""
         rows = self.rows if rows is None else rows
+        self._check_columns(name)
         values = [row.get(name, np.nan) for row in rows]
         return np.array(values, dtype=object if any(isinstance(v, str) for v in values) else float)
 
     @checked(torque_nm=number(optional=True))
     def select(self, torque_nm: float | None = None, **keys: Value) -> list:
-        """Solved rows with the given values; group__key stands for 'group.key'."""
-        keys = {k.replace("__", "."): v for k, v in keys.items()}
+        """Solved rows with the given values; group__key stands for 'group.key'. InputError: no row has such a column."""
+        keys = {k.replace("__", ".", 1): v for k, v in keys.items()}
+        self._check_columns(*keys)
         if torque_nm is not None:
             keys["torque_nm"] = torque_nm
         keys = {k: v if isinstance(v, str) else number()(k, v) for k, v in keys.items()}
         return [r for r in self.rows if r["status"] == "done" and all(alike(r.get(k), v) for k, v in keys.items())]
+
+    def _check_columns(self, *names):
+        known = dict.fromkeys(name for row in self.rows for name in row)
+        for name in names:
+            if known and name not in known:
+                near = " or ".join(difflib.get_close_matches(name, known, 2))
+                raise InputError(f"column '{name}': {f'did you mean {near}? It ' if near else ''}must be one of {', '.join(known)}")
 
     @property
     def failures(self) -> list:

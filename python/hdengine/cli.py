@@ -331,7 +331,7 @@ def make_parser() -> argparse.ArgumentParser:
                       "record data/torque_record.csv --size 14")
     record.add_argument("input", help="CSV with columns torque_nm and angle_rad or angle_arcsec, a whole loop")
     record.add_argument("--size", type=int, choices=tuple(UNITS), default=14, help="size whose T1 and T2 are used")
-    record.add_argument("--rated-torque", type=float, help="lost motion is read at 4 %% of it [N m] (default: the size's at ratio 100)")
+    record.add_argument("--rated-torque", type=float, help="lost motion is read at 4 %% of it [N m] (default: of ratio 100)")
     record.add_argument("--torque-error", type=float, default=0.05, help="of the bench [N m]")
     record.add_argument("--angle-error", type=float, default=2.0, help="of the bench [arcsec]")
     record.add_argument("--out", help="folder for record.json, curve.csv, record.png, scene.nml (default: the record's stem.out)")

@@ -34,6 +34,7 @@ PLAYS = ((18e-3, 10.5e-6), (30e-3, 12.5e-6), (40e-3, 13e-6), (50e-3, 14.5e-6), (
          (120e-3, 28e-6), (140e-3, 33e-6), (160e-3, 35.5e-6))
 TOOTH = 1.4e10    # stiffness of a pair of teeth over the width that touches (ISO 6336) [N/m2]
 DIAPHRAGM = 0.002  # thickness by radius squared, over the pitch diameter cubed (EP 1 628 045: 0.0014 to 0.0026)
+WALL = 0.36e-3   # of size 14 [m]
 RIM = 0.427 / 0.36   # thickness of the rim over that of the wall, for the teeth's stiffness
 BORE = 24.6e-3   # of the bearing of size 14: 35 mm outside, two rings of 1 mm and a ball of 3.2 mm at either side [m]
 BEARINGS = ((35e-3, 6e-3), (42e-3, 7e-3), (62e-3, 9e-3))    # outer diameters and widths of flexible bearings [m]
@@ -88,7 +89,7 @@ def _bodies(size, ratio, hat):
             + (DIAPHRAGM * (2.54e-3 * size) ** 3 / flange ** 2).tolist(),
             "sections_fillet": [0, 0, 0, 1.5e-3 * s, 0, 0, 0]}
     return geometry | {
-        "wall_thickness": 0.36e-3 * s * thin, "rim_thickness": RIM * 0.36e-3 * s * thin, "rim_taper": 1e-3 * s, "cup_length": 20e-3 * s,
+        "wall_thickness": WALL * s * thin, "rim_thickness": RIM * WALL * s * thin, "rim_taper": 1e-3 * s, "cup_length": 20e-3 * s,
         "bottom_thickness": 0.5e-3 * s, "hub_radius": KNOWN[size].clamp * 1e-3 or 15.5e-3 * size / 20}, {}
 
 
@@ -107,7 +108,8 @@ def _scene(size, ratio, hat):
     groups: dict[str, dict[str, Any]] = {
         "run": {"title": f"whole drive, size {size}, ratio {ratio}" + (", silk hat" if hat else "")},
         "geometry": geometry, "cup": cup, "mesh": {"divisions": 86, "band_facets": 10},
-        "wave_generator": {"w": 0.2e-3 * s * 100 / ratio, "cam": "cosine", "clearance": float(_engine.call("fit_clearance", geometry["bore_radius"]))},
+        "wave_generator": {"w": 0.2e-3 * s * 100 / ratio, "cam": "cosine",
+                           "clearance": float(_engine.call("fit_clearance", geometry["bore_radius"]))},
         "bearing": {"balls": 21, "ball_diameter": 3.2e-3 * s, "clearance": _play(BORE * s)}, "contact": {"friction": 0.1},
         "load": {"support": "drive", "torque": known.torque, "torque_steps": 10, "teeth": 2 * ratio,
                  "tooth_pairs": 2 * round(0.2 * ratio), "pressure_angle_deg": _pressure_angle(ratio),

@@ -63,8 +63,8 @@ def ranges_of(scene: Mapping, ranges: Mapping) -> dict:
     """Ranges of JOINT or DRIVE, which are those of CD-14, about the values of a scene.
 
     D moves with the scene's, what is of its size or its surface is in proportion to it; friction, eccentricity and moduli stay. A
-    clearance, by the mean that bore and bearing have about its value, takes the place of the interference. What cup.sections settle has no range, nor has what
-    the law of the joint does not read.
+    clearance takes the place of the interference, as far about its value as bore and bearing have in the mean. What cup.sections
+    settle has no range, nor has what the law of the joint does not read.
 
     Parameters
     ----------

@@ -314,8 +314,9 @@ def _strength(result):
         rows.append(("fatigue of the cup", "", f"Goodman, limit {scene['fatigue.fatigue_limit'] / 1e6:.4g} MPa",
                      results["goodman_safety_min"]))
     if results.get("ball_pressure_max_pa") is not None:
-        rows.append(("pressure of a ball on its race / MPa", f"{results['ball_pressure_max_pa'] / 1e6:.4g}", f"ISO 76, {ISO_76 / 1e6:.4g} MPa",
-                     ISO_76 / results["ball_pressure_max_pa"]))
+        pressure = results["ball_pressure_max_pa"]
+        rows.append(("pressure of a ball on its race / MPa", f"{pressure / 1e6:.4g}", f"ISO 76, {ISO_76 / 1e6:.4g} MPa",
+                     ISO_76 / pressure))
     cells = "".join(f'<tr class="{"good" if safety >= 1 else "failed"}"><td>{name}</td><td>{value}</td><td>{beside}</td>'
                     f"<td>{safety:.3g} {'holds' if safety >= 1 else 'does not hold'}</td></tr>"
                     for name, value, beside, safety in rows)

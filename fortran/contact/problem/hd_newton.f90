@@ -501,7 +501,10 @@ contains
     real(dp), allocatable :: force(:, :)
     real(dp) :: scale, law, moved, pushed, held, left
     integer :: j
-    if (.not. allocated(here%contact)) call begin_linearisation(problem, load, previous, here)
+    if (.not. allocated(here%contact)) then
+      call begin_linearisation(problem, load, previous, here)
+      here%far_ends = any(problem%spring > 0 .and. abs(load%force) > 0)
+    end if
     call gap_and_slip(problem, load, previous, state)
     call apply_law(problem, previous, state, here)
     call strain_bodies(problem, state%u)
@@ -547,7 +550,6 @@ contains
     allocate (here%r_c(3, problem%mortar%n), here%dw(3, 3, problem%mortar%n), here%dt(3, 3, problem%mortar%n), &
       here%contact(problem%mortar%n), here%r_u(3, problem%n))
     here%idle = idle_components(problem)
-    here%far_ends = any(problem%spring > 0 .and. abs(load%force) > 0)
     here%law = problem%law
     here%law%friction = load%friction
     here%anchor = previous%traction

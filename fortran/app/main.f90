@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> hdengine.x: reads a scene, runs it, and ends with the exit code of its error.
 program main
-  use, intrinsic :: iso_fortran_env, only: error_unit
+  use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
   use hd_command_line, only: command_t, read_command_line, obey
   use hd_error, only: error_t, code_memory
   use hd_lapack, only: choose_kernels
@@ -22,6 +22,8 @@ program main
   if (.not. allocated(error)) stop 0, quiet=.true.
   if (index(error%message, 'error: ') /= 1) error%message = 'error: '//error%message
   write (error_unit, '(a)', iostat=status) error%message
+  flush (output_unit)
+  flush (error_unit)
   if (error%code == code_memory) call leave_at_once(error%code)
   stop error%code, quiet=.true.
 end program main

@@ -179,8 +179,9 @@ def test_report_of_a_drive_opens_with_its_slopes(drive):
     for i in (1, 2):
         k, stated = found[f"k{i}_nm_per_rad"], getattr(unit, f"k{i}_nm_per_rad")
         assert f"<td>{k / 1e3:.3g}</td><td>{stated / 1e3:.3g}</td><td>{k / stated:.2f}</td>" in head.replace(' class="text"', "")
-    assert len(re.findall('<tr class="(?:good|failed)">', head)) == 3
-    assert ('class="failed"' in head) == (min(found["flexspline_yield_safety"], found["ring_yield_safety"], found["goodman_safety_min"]) < 1)
+    assert len(re.findall('<tr class="(?:good|failed)">', head)) == 4
+    safety = found["flexspline_yield_safety"], found["ring_yield_safety"], found["goodman_safety_min"], 4.2e9 / found["ball_pressure_max_pa"]
+    assert ('class="failed"' in head) == (min(safety) < 1) and f"<td>{safety[3]:.3g} holds</td>" in head
     assert "<dt>wall thickness</dt><dd>0.36</dd>" in head and head.split('class="views"')[1].split("</div>")[0].count("<circle") == run.scene["bearing.balls"]
     assert f"it rests on {run.summary['k_ts_by_model']['chosen_rests_on']}." in page and "r_m" not in page
     places = [head.index(text) for text in ("K1 ", "Torque over the angle", "largest force of a ball", "front view", "Stress cycle")]

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> The operating system: stop signals, folders, renaming.
 module hd_system
-  use, intrinsic :: iso_fortran_env, only: error_unit, int64, output_unit
+  use, intrinsic :: iso_fortran_env, only: int64
   use, intrinsic :: iso_c_binding, only: c_int, c_long_long, c_char, c_null_char, c_ptr, c_null_ptr, c_loc
   use hd_error, only: error_t, raise, code_file, code_stopped
   use hd_text, only: string_t
@@ -225,8 +225,6 @@ contains
         integer(c_int), value :: code
       end subroutine c_leave
     end interface
-    flush (output_unit)
-    flush (error_unit)
     call c_leave(int(code, c_int))
   end subroutine leave_at_once
 

@@ -157,6 +157,28 @@ def test_a_signal_while_the_tangent_of_a_step_is_found(exe, tmp_path):
             assert rows(cut / f"{table}.csv") == rows(tmp_path / f"whole/{table}.csv"), k
 
 
+def test_a_signal_while_a_run_closes(exe, tmp_path):
+    """What the error of the joint changes of K_TS is found after the last load step: a signal then ends with code 7, and the run goes on to it."""
+    words = [exe, CD14, "mesh.divisions=60", "mesh.band_facets=12", "load.torque_steps=1", "output.vtu=none"]
+
+    def change(folder):
+        return json.loads((folder / "summary.json").read_text())["joint"]["theory_error"].get("k_ts_tangent_change")
+    subprocess.run([*words, "--out", tmp_path / "whole", "-q"], check=True)
+    codes = []
+    for k in range(5):
+        cut = tmp_path / f"cut{k}"
+        process = subprocess.Popen([*words, "--out", cut], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        assert any(" 1.000 " in line and " torque " in line for line in process.stdout)
+        time.sleep(0.01 * k)
+        process.send_signal(signal.SIGTERM)
+        process.communicate()
+        codes.append(process.returncode)
+        if codes[-1] == 7:
+            subprocess.run([*words, "--out", cut, "--resume", "-q"], check=True)
+        assert change(cut) == change(tmp_path / "whole") is not None, codes
+    assert set(codes) <= {0, 7} and 7 in codes
+
+
 def test_only_the_same_scene_goes_on(exe, tmp_path):
     """Another torque is an error that names both values, and the folder stays as it was; a longer time limit is taken."""
     stopped_run(tmp_path / "r", 2)

@@ -428,7 +428,7 @@ def drive_bands(factors: dict, base: float) -> tuple[dict, dict]:
     return bands, {key: v / total for key, v in sorted(variances.items(), key=lambda item: -item[1])}
 
 
-@checked(folder=a_path, drive=flag, draws=integer(1), sobol=integer(1), show=flag, force=flag)
+@checked(folder=a_path, drive=flag, draws=integer(1), sobol=integer(0), show=flag, force=flag)
 def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int = 128, show: bool = True,
             force: bool = False) -> dict:
     """Tornado, bands and indices of a finished run, into its folder.

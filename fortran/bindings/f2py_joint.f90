@@ -116,12 +116,11 @@ contains
     call tell(error, status)
   end subroutine joint_parts
 
-  !> One asperity: properties in the order of the list 'asperity', by depth (s, f, k; smooth /= 0: blended) and by area
-  !> (f, k, k_t).
-  subroutine asperity(p, np, eps, s, tau, smooth, n, properties, by_depth, by_area, status)
+  !> One asperity: properties in the order of the list 'asperity', by depth (s, f, k) and by area (f, k, k_t).
+  subroutine asperity(p, np, eps, s, tau, n, properties, by_depth, by_area, status)
     integer(c_int), intent(in) :: np
     real(c_double), intent(in) :: p(np), eps, s, tau
-    integer(c_int), intent(in) :: smooth, n
+    integer(c_int), intent(in) :: n
     real(c_double), intent(out) :: properties(n), by_depth(3), by_area(3)
     integer(c_int), intent(out) :: status
     !f2py integer(c_int), intent(hide), depend(p) :: np = len(p)
@@ -142,7 +141,7 @@ contains
       call names%put(properties, 'eps_ec_m', a%eps_ec)
       call names%put(properties, 's_ec_m2', a%s_ec)
       call names%put(properties, 'f_ec_n', a%f_ec)
-      call asperity_by_depth(a, eps, smooth /= 0, by_depth(1), by_depth(2), by_depth(3))
+      call asperity_by_depth(a, eps, by_depth(1), by_depth(2), by_depth(3))
       call asperity_by_area(a, s, tau, given%take(p, 'friction'), by_area(1), by_area(2), by_area(3))
     end if
     call names%check(error)

@@ -6,7 +6,7 @@ module f2py_scene
   use hd_input, only: read_scene
   use hd_json, only: json_t
   use hd_open_run, only: check_run
-  use hd_own_tolerances, only: mean_clearance
+  use hd_input_tolerances, only: mean_clearance
   use hd_joint_choice, only: choose_joint
   use hd_planner, only: plan_text
   use hd_scene, only: scene_t

@@ -24,7 +24,7 @@ from .contact import Run, doubts, given_keys, heard, read_scene
 from .export import command as export_command
 from .files import check_file, check_folder
 from .prediction import command as joint_command
-from .results import Result, load
+from .results import Result
 from .studies import planner
 from .summary_file import read_summary
 from .surfaces.command import add_options, run_surface
@@ -224,7 +224,7 @@ def _sensitivity(args):
             print(f"  {name:28s} 95 % band {low:.4g} to {high:.4g}, median {median:.4g}")
         for key, share in found[solved]["shares_of_variance"].items():
             print(f"  {key:28s} share of the variance {share:.2f}")
-    shares = load(args.folder).summary["results"].get("band_shares")
+    shares = read_summary(args.folder, "results")["results"].get("band_shares")
     if args.drive and shares:
         most = max(shares, key=shares.get)
         print(f"Teeth, spline and balls are not among these: of all inputs {most} makes most of K2 (band_shares of summary.json)")

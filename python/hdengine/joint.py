@@ -362,8 +362,8 @@ class Joint:
         keys = ("load_n", "k_n_n_per_m", "k_t_n_per_m", "psi", "real_area_m2")
         return dict(zip(keys, _engine.call("joint_parts", self._parameters(), s_l, tau)))
 
-    @checked(depth=number(), area=number(least=0), tau=number(), smooth=flag)
-    def asperity(self, depth: float = 0.0, area: float = 0.0, tau: float = 0.0, smooth: bool = False) -> tuple:
+    @checked(depth=number(), area=number(least=0), tau=number())
+    def asperity(self, depth: float = 0.0, area: float = 0.0, tau: float = 0.0) -> tuple:
         """One asperity (Eq. 3-16): its properties, and its state at a depth or at an area.
 
         Parameters
@@ -374,8 +374,6 @@ class Joint:
             Area of the spot [m^2].
         tau : float
             Shear stress on the spot [Pa].
-        smooth : bool
-            Blend the jumps of the Kogut-Etsion branches by depth (C1, over 10 % of the depth on both sides).
 
         Returns
         -------
@@ -387,5 +385,5 @@ class Joint:
             Load [N], normal and tangential stiffness [N/m].
         """
         names = _engine.names("asperity")
-        properties, by_depth, by_area = _engine.call("asperity", self._parameters(), depth, area, tau, int(smooth), len(names))
+        properties, by_depth, by_area = _engine.call("asperity", self._parameters(), depth, area, tau, len(names))
         return dict(zip(names, properties)), by_depth, by_area

@@ -70,7 +70,7 @@ def targets():
     yield "Joint.warnings", joint.warnings, {"pressure": 1e6}
     yield "Joint.sensitivity", joint.sensitivity, {"pressure": 1e6, "shear": 0.0, "step": 1e-4}
     yield "Joint.parts", joint.parts, {"s_l": 1e-11, "tau": 0.0}
-    yield "Joint.asperity", joint.asperity, {"depth": 1e-8, "area": 1e-12, "tau": 0.0, "smooth": False}
+    yield "Joint.asperity", joint.asperity, {"depth": 1e-8, "area": 1e-12, "tau": 0.0}
     position, normal = rng.normal(size=(7, 3)), rng.normal(size=(7, 3))
     yield "torsion.torsional_stiffness", torsion.torsional_stiffness, {"k_n": np.ones(7), "k_t": np.ones(7), "position": position,
                                                                        "normal": normal}

@@ -141,22 +141,6 @@ def test_load_is_not_monotone_in_area():
     assert np.all(states[1, :2] > states[0, :2])
 
 
-def test_smooth_branches():
-    """Blended, area and load are continuous through all three jumps and k is df/deps; outside the blends nothing changes."""
-    joint = Joint()
-    eps = joint.asperity()[0]["eps_ec_m"]
-    for x in (1.0, 6.0, 110.0):
-        jump = np.array([joint.asperity(depth=eps * x * (1 + t))[1][:2] for t in (-1e-9, 1e-9)])
-        assert np.all(abs(jump[1] / jump[0] - 1) > 0.01)
-        for c in (np.exp(-0.1), 0.97, 1.0, 1.04, np.exp(0.1)):
-            s = np.array([joint.asperity(depth=eps * x * c * (1 + t), smooth=True)[1] for t in (-1e-6, 1e-6)])
-            assert np.all(abs(s[1, :2] / s[0, :2] - 1) < 1e-5)
-        middle = np.array([joint.asperity(depth=eps * x * 1.02 * (1 + t), smooth=True)[1] for t in (-1e-5, 0, 1e-5)])
-        slope = (middle[2, 1] - middle[0, 1]) / (2e-5 * eps * x * 1.02)
-        assert middle[1, 2] == pytest.approx(slope, rel=1e-6)
-        np.testing.assert_array_equal(joint.asperity(depth=eps * x * 1.2, smooth=True)[1], joint.asperity(depth=eps * x * 1.2)[1])
-
-
 def test_warnings_outside_the_range():
     """Spots larger than an asperity, real area above the nominal, plastic s_min: each has its own warning; inside there is none."""
     assert Joint(asperity_radius=250e-6, s_min=1e-15).warnings(1e6) == []

@@ -90,6 +90,8 @@ def test_table_holds_the_runs(tmp_path):
         with pytest.raises(hdengine.InputError, match="did you mean"):
             ask()
     assert hdengine.Study(grid={"contact__friction": [0.1]}).grid == {"contact.friction": [0.1]}
+    with pytest.raises(hdengine.InputError, match="a key twice"):
+        hdengine.Study(grid={"contact__friction": [0.1], "contact.friction": [0.2]})
     assert {name for r in result.rows for name in r} == {"wave_generator.w", *small()._columns()}   # of which a figure is checked
     assert plot_study(result)[0].stat().st_size > 10000
 

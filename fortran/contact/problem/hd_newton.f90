@@ -25,10 +25,11 @@ module hd_newton
   private
   public :: newton_options_t, iteration_t, iterate, respond, linear_equations, idle_components, prescribe
 
+  integer, parameter :: full_steps = 12  !< undamped iterations before the line search sets in
+
   type :: newton_options_t
     real(dp) :: tolerance = 1e-8_dp    !< relative residual of forces and contact law
     integer :: max_iterations = 60     !< Newton iterations per load step
-    integer :: full_steps = 12         !< undamped iterations before the line search sets in
     real(dp) :: runaway = huge(1._dp)  !< displacement at which a body counts as sliding away [m]
     real(dp) :: torque = 0             !< amount of the torque [N m]
     logical :: rough = .false.         !< pairs will be moved, and equilibrium between them need not be near
@@ -250,7 +251,7 @@ contains
       if (allocated(problem%holds) .and. row%iteration > 0) call hold_less(problem%holds, problem%groove, problem%struts, &
         problem%strut_rate, du)
       call count_ahead(problem, load, state%u, row%stick > 0, ahead, here%r_u)
-      search = row%iteration + 1 - global%since > options%full_steps .or. here%law%softness > 0 .or. global%damped
+      search = row%iteration + 1 - global%since > full_steps .or. here%law%softness > 0 .or. global%damped
       solver%accuracy = merge(searched, whole, search)
       ! a wheel on its way over the play needs a whole correction: one that stops short of the other flank has got nowhere
       if (allocated(problem%pairing)) solver%accuracy = merge(whole, of_use(options, here%merit), ahead%some)

@@ -85,64 +85,25 @@ contains
     if (i < fully_plastic .and. stuck > 0) kt = 8*a%g_prime*sqrt(s/pi)*(stuck/(mu*f))**(1/3._dp)
   end subroutine asperity_by_area
 
-  !> Area, load and stiffness at a depth eps; branches are closed on the left at eps / eps_ec = 1, 6, 110 and jump.
-  !> `smooth` blends ln s and ln f by cubics in ln eps within `blend` on both sides of each jump; k is then df/deps there.
-  elemental subroutine asperity_by_depth(a, eps, smooth, s, f, k)
+  !> Area, load and stiffness at a depth eps [Eq. 6, 11, 12, 15]; branches are closed on the left at eps / eps_ec = 1, 6, 110, and
+  !> jump there.
+  elemental subroutine asperity_by_depth(a, eps, s, f, k)
     type(asperity_t), intent(in) :: a   !< asperity
     real(dp), intent(in) :: eps         !< depth [m]
-    logical, intent(in) :: smooth       !< C1 instead of jumps
     real(dp), intent(out) :: s, f, k    !< area [m^2], load [N], stiffness [N/m]
-    real(dp), parameter :: jump(3) = [1._dp, 6._dp, 110._dp], blend = 0.1_dp
-    real(dp) :: x, s1, f1, c
+    real(dp), parameter :: jump(3) = [1._dp, 6._dp, 110._dp]
+    real(dp) :: x
     integer :: i
     x = eps/a%eps_ec
-    call branch(a, 1 + count(x >= jump), x, s, f, c)
-    k = merge(0._dp, f/eps*c, x >= jump(3) .or. eps <= 0)
-    if (.not. smooth .or. .not. x > 0) return
-    do i = 1, 3
-      if (abs(log(x/jump(i))) >= blend) cycle
-      call join_branches(a, i, jump(i)*exp(-blend), jump(i)*exp(blend), x, s1, f1, c)
-      s = s1
-      f = f1
-      k = f/eps*c
-    end do
-  end subroutine asperity_by_depth
-
-  !> Area, load and d ln f / d ln eps on one branch at x = eps / eps_ec [Eq. 6, 11, 12, 15].
-  elemental subroutine branch(a, i, x, s, f, slope)
-    type(asperity_t), intent(in) :: a
-    integer, intent(in) :: i                 !< branch 1 to 4
-    real(dp), intent(in) :: x
-    real(dp), intent(out) :: s, f, slope
-    slope = depth_power(i)
+    i = 1 + count(x >= jump)
+    k = 0
     if (i < fully_plastic) then
       s = area_factor(i)*a%s_ec*x**area_power(i)
       f = load_factor(i)*a%f_ec*x**depth_power(i)
+      if (eps > 0) k = f/eps*depth_power(i)
     else
       s = 2*a%s_ec*x
       f = a%hardness*s
     end if
-  end subroutine branch
-
-  !> Cubics in ln x from branch i at x1 to branch i + 1 at x2: values and slopes of ln s and ln f agree at both ends.
-  elemental subroutine join_branches(a, i, x1, x2, x, s, f, slope)
-    type(asperity_t), intent(in) :: a
-    integer, intent(in) :: i
-    real(dp), intent(in) :: x1, x2, x
-    real(dp), intent(out) :: s, f, slope
-    real(dp) :: s1, s2, f1, f2, m1, m2, t, l
-    call branch(a, i, x1, s1, f1, m1)
-    call branch(a, i + 1, x2, s2, f2, m2)
-    l = log(x2/x1)
-    t = log(x/x1)/l
-    f = f1*exp(hermite(t, log(f2/f1), m1*l, m2*l))
-    slope = (6*t*(1 - t)*log(f2/f1) + (1 - 4*t + 3*t*t)*m1*l + (3*t*t - 2*t)*m2*l)/l
-    s = s1*exp(hermite(t, log(s2/s1), area_power(i)*l, area_power(i + 1)*l))
-  end subroutine join_branches
-
-  !> Cubic from 0 to `rise` on [0, 1] with end slopes m1, m2.
-  elemental real(dp) function hermite(t, rise, m1, m2)
-    real(dp), intent(in) :: t, rise, m1, m2
-    hermite = t*t*(3 - 2*t)*rise + t*(1 - t)**2*m1 + t*t*(t - 1)*m2
-  end function hermite
+  end subroutine asperity_by_depth
 end module hd_asperity

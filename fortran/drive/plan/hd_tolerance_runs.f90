@@ -18,7 +18,7 @@ module hd_tolerance_runs
   use hd_march, only: march
   use hd_mesh_series, only: small_displacements
   use hd_model, only: model_t, give_back
-  use hd_own_tolerances, only: mean_clearance
+  use hd_input_tolerances, only: mean_clearance
   use hd_parameter_row, only: stage_model
   use hd_parameters, only: parameter_t, parameter_table_t, new_table, value_count, value_text
   use hd_run, only: run_t, new_run, close_run, differentiate_run, leave_model

@@ -123,12 +123,15 @@ contains
       quote = 'nothing of a loop that is not whole: --resume goes on'
     else if (allocated(band%input)) then
       call say('drive     '//loop_text(loop, scene, band%bounds()))
-      quote = quote//' with these 95 % bands'
+      if (scene%planned_tolerance > 0) then
+        quote = quote//' by their limits below, with these 95 % bands in proportion'
+      else
+        quote = quote//' with these 95 % bands'
+      end if
       if (last > 1) then
         call band%ranked(keys, part)
         quote = quote//', that of K2 made most by '//keys(1)%s//' ('//percent(part(1))//')'
       end if
-      if (scene%planned_tolerance > 0) quote = 'limits, not this mesh: '//quote//' times limit over value'
     else
       call say('drive     '//line)
       quote = 'variants beside each other; '//quote//' with their band, which run.band finds'

@@ -10,7 +10,7 @@ module hd_input
   use hd_cam_table, only: cam_table_t, read_cam_table
   use hd_conditions, only: check_scene
   use hd_cup_sections, only: adopt_sections
-  use hd_own_tolerances, only: take_tolerances
+  use hd_input_tolerances, only: take_tolerances
   use hd_parameters, only: parameter_table_t, new_table, groups_of, keys_of, assign_words, value_text
   use hd_plausible, only: slips_of
   use hd_scene, only: scene_t

@@ -8,7 +8,7 @@ module hd_parameters
   use hd_unit, only: in_unit, other_units
   use hd_cup_sections, only: add_cup_keys
   use hd_drive_keys, only: add_drive_keys
-  use hd_own_tolerances, only: take_tolerances
+  use hd_input_tolerances, only: take_tolerances
   use hd_scene, only: scene_t
   use hd_support, only: support_names, support_words
   use hd_surface_keys, only: add_surface_keys, add_fit_keys

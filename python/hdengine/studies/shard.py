@@ -58,7 +58,7 @@ def work(study: Study) -> list[float]:
     known: dict[tuple, float] = {}
     found = []
     first = study.first_valid()[0]
-    costly = [k for k in first if k.replace("__", ".", 1).strip().lower() in COSTLY]
+    costly = [k for k in first if k in COSTLY]
     for point in study.points:
         name = tuple(str(point[k]) for k in costly)
         if name not in known:

@@ -43,6 +43,11 @@ TABLES = ("joint.table_file", "joint.spectrum_file", "joint.from_fit", "wave_gen
 WRITES_APART = 20   # from one writing of the table to the next, in durations of a writing: a long table costs a twentieth of all
 
 
+def _plain(key):
+    """A key as scenes have it; group__key stands for 'group.key'."""
+    return key.replace("__", ".", 1).strip().lower() if isinstance(key, str) else key
+
+
 @dataclass
 class Study:
     """A scene and the points at which it is solved.
@@ -83,8 +88,10 @@ class Study:
 
     def __post_init__(self) -> None:
         fields(self, scene=a_path, grid=mapping, together=mapping, fixed=mapping, rows=text, title=text, figure=mapping)
-        self.grid, self.together, self.fixed = ({k.replace("__", ".", 1) if isinstance(k, str) else k: v for k, v in keys.items()}
-                                                for keys in (self.grid, self.together, self.fixed))
+        for name, keys in (("grid", self.grid), ("together", self.together), ("fixed", self.fixed)):
+            setattr(self, name, {_plain(k): v for k, v in keys.items()})
+            if len(getattr(self, name)) < len(keys):
+                raise InputError(f"[{name}] has a key twice: {', '.join(keys)}")
         for name, keys in (("grid", self.grid), ("together", self.together)):
             for key, values in keys.items():
                 if isinstance(values, (np.ndarray, range)):
@@ -127,7 +134,7 @@ class Study:
         """Columns that the table can have besides the swept keys; those of a loop only if a point may be a whole drive."""
         names = [name for name in _engine.names("step") if name not in ("iterations", "seconds")]
         places = [f"{what}_long_{i}_pa" for i in (1, 2, 3) for what in ("pressure", "shear")]
-        swept = {key.replace("__", ".", 1).strip().lower(): values for key, values in (*self.grid.items(), *self.together.items())}
+        swept = self.grid | self.together
         try:
             of = swept.get("load.support") or [read_scene(self.scene, **self.fixed)["load.support"]]
             loop = any(str(support) in _engine.names("support_loop") for support in of)
@@ -140,7 +147,7 @@ class Study:
         if not isinstance(value, str) or not any(c.isdigit() for c in value):
             return value
         try:
-            found = read_scene(self.scene, **{**self.fixed, key: value})[key.replace("__", ".", 1).strip().lower()]
+            found = read_scene(self.scene, **{**self.fixed, key: value})[key]
         except HdengineError:   # it is reported for its point
             return value
         return found if isinstance(found, (int, float)) else value
@@ -192,7 +199,7 @@ class Study:
                     "together": list(self.together.items()), "fixed": self.fixed, "rows": self.rows}
         given = [*self.grid.items(), *self.together.items(), *((key, [value]) for key, value in self.fixed.items())]
         first = self.first_valid()[1]
-        names = {str(v) for key, values in given if key.replace("__", ".", 1).strip().lower() in TABLES for v in values}
+        names = {str(v) for key, values in given if key in TABLES for v in values}
         names |= {str(first[key]) for key in TABLES if first.get(key)}
         if files := sorted(name for name in names if Path(name).is_file()):
             identity["tables_sha256"] = {name: hashlib.sha256(Path(name).read_bytes()).hexdigest() for name in files}
@@ -492,7 +499,7 @@ class StudyResult:
     @checked(torque_nm=number(optional=True))
     def select(self, torque_nm: float | None = None, **keys: Value) -> list:
         """Solved rows with the given values; group__key stands for 'group.key'. InputError: no row has such a column."""
-        keys = {k.replace("__", ".", 1): v for k, v in keys.items()}
+        keys = {_plain(k): v for k, v in keys.items()}
         self._check_columns(*keys)
         if torque_nm is not None:
             keys["torque_nm"] = torque_nm

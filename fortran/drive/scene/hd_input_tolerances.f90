@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Tolerances of the inputs of a band: the mean fit of a bearing in its bore, and what a scene states itself by run.tolerances.
-module hd_own_tolerances
+module hd_input_tolerances
   use hd_kinds, only: dp
   use hd_parameter_row, only: parameter_t, parameter_table_t, stage_load
   use hd_text, only: lower, push, split, string_t, to_number
@@ -70,4 +70,4 @@ contains
     may_vary = p%stage(.true., .true.) <= stage_load .and. .not. any(p%group == [character(len=8) :: 'run', 'mesh', 'solver', &
       'surface', 'fit']) .and. (associated(p%real) .or. associated(p%reals) .or. size(p%choices) == 2)
   end function may_vary
-end module hd_own_tolerances
+end module hd_input_tolerances

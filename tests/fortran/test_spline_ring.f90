@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> The circular spline as an elastic ring, and the width over which its teeth push.
+!> The circular spline as an elastic ring, the width over which its teeth push, and their clearances.
 module test_spline_ring
   use hd_kinds, only: dp, pi
   use hd_body, only: axial_moment, body_t
@@ -10,6 +10,7 @@ module test_spline_ring
   use hd_scene, only: scene_t
   use hd_spline_ring, only: spline_ring_t, new_spline_ring, ring_compliance
   use hd_test_bodies, only: two_rings
+  use hd_tooth_flanks, only: tooth_gaps
   implicit none
   private
   public :: run_spline_ring
@@ -19,7 +20,36 @@ contains
   subroutine run_spline_ring()
     call ring_under_forces()
     call teeth_over_the_width()
+    call clearances_between_pairs()
   end subroutine run_spline_ring
+
+  !> Clearances that are a cubic over the pairs, another at either end of the long axis, are that cubic after a part of a pitch; two
+  !> pairs have a line; none is negative; beyond the outermost pair the last value stays.
+  subroutine clearances_between_pairs()
+    real(dp), parameter :: x(12) = [1, 2, 3, 4, 5, 6, 1, 2, 3, 4, 5, 6], ends(12) = [spread(1, 1, 6), spread(2, 1, 6)]
+    type(scene_t) :: scene
+    scene%tooth_pairs = 12
+    scene%tooth_phase = -0.3_dp
+    scene%gap_count = 12
+    scene%gaps(:12) = ends*cubic(x)
+    call check_close(maxval(abs(tooth_gaps(scene) - ends*cubic(max(1._dp, x + scene%tooth_phase)))), 0._dp, 1e-18_dp, &
+      'clearances between pairs are on the cubic of their neighbours')
+    scene%tooth_pairs = 4
+    scene%gap_count = 2
+    scene%gaps(:2) = [1e-6_dp, 3e-6_dp]
+    call check_close(maxval(abs(tooth_gaps(scene) - [1e-6_dp, 2.4e-6_dp, 1e-6_dp, 2.4e-6_dp])), 0._dp, 1e-18_dp, &
+      'those of two pairs on their line')
+    scene%tooth_pairs = 8
+    scene%gap_count = 4
+    scene%gaps(:4) = [1e-6_dp, 0._dp, 0._dp, 1e-6_dp]
+    scene%tooth_phase = 0.5_dp
+    call check_close(minval(tooth_gaps(scene)), 0._dp, 1e-18_dp, 'where the cubic dives below 0 the flanks touch')
+  contains
+    elemental real(dp) function cubic(place)
+      real(dp), intent(in) :: place
+      cubic = 1e-7_dp*(70 + (place - 2)**3 - place)
+    end function cubic
+  end subroutine clearances_between_pairs
 
   !> Two opposite radial forces P widen a ring by  P [R^3/(E I) (pi/4 - 2/pi) + R/(E A) pi/4 + R/(k G A) pi/4]  (Castigliano), thin
   !> or thick, but for the shear of the harmonics left out. What one point does to another, that does to it (Maxwell). Two

@@ -1,12 +1,14 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Stresses at Gauss points and nodes.
+!> Stresses at Gauss points and nodes, and the cycle that they make in a turn.
 module test_stress
   use hd_body, only: body_t
   use hd_check, only: check, check_close
   use hd_error, only: error_t
+  use hd_fatigue, only: fatigue_t, judge_fatigue
   use hd_hexahedron, only: hex8, hex8i, hex20r
-  use hd_kinds, only: dp
+  use hd_kinds, only: dp, pi
   use hd_revolution, only: revolve, strip_t
+  use hd_scene, only: scene_t
   use hd_stress, only: largest_of, nodal_stress, stress_matrices_t, principal_stresses, signed_equivalent, von_mises
   implicit none
   private
@@ -30,7 +32,44 @@ contains
     principal = principal_stresses(many)
     call check(all((signed_equivalent(many) > 0) .eqv. (maxval(principal, 1) + minval(principal, 1) > 0)), &
       'the principal stress of the largest amount gives the equivalent one its sign')
+    call cycles(many)
   end subroutine run_stress
+
+  !> Bending that alternates beside a steady shear: its amplitude, and the shear as mean. Of any stresses the two furthest apart.
+  subroutine cycles(many)
+    real(dp), intent(in) :: many(:, :)
+    real(dp), parameter :: bending = 200e6_dp, shear = 30e6_dp
+    type(scene_t) :: scene
+    type(body_t) :: body
+    type(fatigue_t) :: fatigue, other
+    real(dp) :: s(6, 2, 100), most
+    integer :: i, j
+    body%nodes_per_sector = 2
+    body%sectors = size(s, 3)
+    allocate (body%x(3, 2*size(s, 3)))
+    scene%notch_factor = 1.4_dp
+    s = 0
+    do i = 1, size(s, 3)
+      s(2, 1, i) = bending*cos(4*pi*i/size(s, 3))
+      s(5, 1, i) = shear
+      s(5, 2, i) = shear
+    end do
+    call judge_fatigue(scene, body, reshape(s, [6, 2*size(s, 3)]), 1._dp, fatigue)
+    call check_close(maxval(abs(fatigue%amplitude - [bending, 0._dp])/bending), 0._dp, 1e-12_dp, &
+      'the amplitude is that of the bending, whatever shear stands beside it')
+    call check_close(maxval(abs(fatigue%mean - sqrt(3._dp)*shear)/shear), 0._dp, 1e-12_dp, 'and the shear is the mean')
+    call check_close(1/fatigue%safety(1), 1.4_dp*bending/scene%fatigue_limit + sqrt(3._dp)*shear/scene%tensile_strength, 1e-12_dp, &
+      "and safety is by Goodman's line")
+    call check(all(modulo(fatigue%least - 1, 2) == 0), 'the first node of the meridian has the least safety')
+    call judge_fatigue(scene, body, many, 1._dp, other)
+    do j = 1, 2
+      most = 0
+      do i = 1, size(s, 3)
+        most = max(most, maxval(von_mises(many(:, j::2) - spread(many(:, j + 2*(i - 1)), 2, size(s, 3)))))
+      end do
+      call check_close(other%amplitude(j), most/2, 1e-12_dp*most, 'no two stresses of a turn are further apart')
+    end do
+  end subroutine cycles
 
   !> A linear displacement field u_x = a x, u_z = b z of a cylinder has the same Cartesian stress everywhere.
   subroutine even_field(kind)

@@ -253,6 +253,9 @@ def test_gaps_on_the_rim_of_a_run(assembled, tmp_path, capsys):
     tight, free = tooth_gaps(Involute(M, x2=ideal.facts["x2"]), assembled), tooth_gaps(Involute(M), assembled)
     assert tight.least_m < -1e-6 and "interfere" in tight.notes[0] and free.least_m == pytest.approx(0, abs=1e-8)
     assert free.facts["x2"] > ideal.facts["x2"] and free.table["gap_m"].max() > 5e-6
+    half = len(free.table["pair"]) // 2
+    ends = [min(free.table[name][which].min() for name in ("gap_m", "gap_back_m")) for which in (slice(half), slice(half, None))]
+    assert min(ends) > -1e-11 and abs(ends[1] - ends[0]) > 1e-8 and not free.notes     # 21 balls hold both ends of the long axis unlike
     with pytest.raises(hdengine.InputError, match=r"wave_generator.w with the run .* valid: keys of load"):
         tooth_gaps(Involute(M), assembled, wave_generator={"w": 1e-4})
     copy = tmp_path / "c"

@@ -108,7 +108,7 @@ contains
     type(scene_t), intent(in) :: scene      !< scene
     type(strip_t), intent(out) :: strip     !< section
     integer, intent(out) :: first, last     !< stations at the ends of the contact band
-    real(dp), allocatable :: z(:), r(:)
+    real(dp), allocatable :: z(:), way(:)
     real(dp) :: h, corner, wall_start
     integer :: i, wall, bottom
     if (has_sections(scene)) then
@@ -130,10 +130,11 @@ contains
     end if
     wall = merge(scene%wall_elements, rows_in((corner - wall_start)/h), scene%wall_elements > 0)
     call append_intervals(z, corner, wall, row_length(scene, wall_start), 0._dp)
-    r = [scene%bore_radius]
+    way = [0._dp]
     bottom = merge(scene%bottom_elements, rows_in((scene%bore_radius - scene%hub_radius)/h), scene%bottom_elements > 0)
-    call append_intervals(r, scene%hub_radius, bottom, 0._dp, 0._dp)
+    call append_intervals(way, scene%bore_radius - scene%hub_radius, bottom, 0._dp, clamped_cell(scene, scene%bottom_thickness))
     wall = size(z)
+    bottom = size(way) - 1
     allocate (strip%inner(2, wall + bottom), strip%outer(2, wall + bottom))
     do i = 1, wall
       strip%inner(:, i) = [scene%bore_radius, z(i)]
@@ -141,8 +142,8 @@ contains
     end do
     strip%outer(2, wall) = scene%cup_length
     do i = 1, bottom
-      strip%inner(:, wall + i) = [r(i + 1), corner]
-      strip%outer(:, wall + i) = [r(i + 1), scene%cup_length]
+      strip%inner(:, wall + i) = [scene%bore_radius - way(i + 1), corner]
+      strip%outer(:, wall + i) = [scene%bore_radius - way(i + 1), scene%cup_length]
     end do
     strip%layers = scene%through_wall
   end subroutine cup_strip
@@ -177,8 +178,10 @@ contains
           if (to(2) <= done*(1 + hair)) cycle
           part = [max(0._dp, (done - from(2))/(to(2) - from(2)))]
         end if
+        call meridian%at(k, 1._dp, inner, outer)
         call append_intervals(part, 1._dp, cells_of(scene, meridian, k, part(1)), merge(row_length(scene, done), 0._dp, &
-          part(1) > 0)/meridian%length(k), 0._dp)
+          part(1) > 0)/meridian%length(k), merge(clamped_cell(scene, norm2(inner - outer)), 0._dp, &
+          k == size(meridian%piece))/meridian%length(k))
         do i = 2, size(part)
           call meridian%at(k, part(i), inner, outer)
           call add_station(strip, inner, outer)
@@ -187,6 +190,14 @@ contains
     end do
     strip%layers = scene%through_wall
   end subroutine sectioned_strip
+
+  !> Length of the cell at the clamped edge, where bending is largest and dies away within some thicknesses; 0: as long as the others,
+  !> whose number a key gives [m].
+  pure real(dp) function clamped_cell(scene, thickness)
+    type(scene_t), intent(in) :: scene      !< scene
+    real(dp), intent(in) :: thickness       !< there [m]
+    clamped_cell = merge(0._dp, thickness/4, scene%bottom_elements > 0)
+  end function clamped_cell
 
   !> Append a station.
   pure subroutine add_station(strip, inner, outer)

@@ -56,17 +56,26 @@ contains
     turn = -maxval(closing)/(cos(scene%pressure_angle_deg*pi/180)*scene%tooth_circle())
   end function turn_to_flank
 
-  !> Clearances of a list, linear between its pairs where the wave generator has turned on [m].
+  !> Clearances of a list, on the cubic of the four nearest pairs where the wave generator has turned on [m].
   pure function listed(scene, gaps) result(gap)
     type(scene_t), intent(in) :: scene  !< scene
     real(dp), intent(in) :: gaps(:)     !< of the pairs at one end of the long axis, or at both [m]
-    real(dp) :: gap(scene%tooth_pairs), x(scene%tooth_pairs)
-    integer :: at(scene%tooth_pairs), from(scene%tooth_pairs), i, half
+    real(dp), dimension(scene%tooth_pairs) :: gap, share, x
+    integer :: first(scene%tooth_pairs), from(scene%tooth_pairs), half, i, j, n
     half = scene%tooth_pairs/2
+    n = min(4, half)
     x = min(max(places(scene) + 0.5_dp*(half + 1), 1._dp), real(half, dp))
-    at = max(1, min(floor(x), half - 1))
-    from = [(merge(half, 0, i > half .and. scene%gap_count > half), i=1, scene%tooth_pairs)]
-    gap = gaps(from + at) + (x - at)*(gaps(from + min(at + 1, half)) - gaps(from + at))
+    first = max(1, min(floor(x) + 1 - n/2, half + 1 - n))
+    from = [(merge(half, 0, i > half .and. scene%gap_count > half), i=1, scene%tooth_pairs)] + first - 1
+    gap = 0
+    do i = 1, n
+      share = 1
+      do j = 1, n
+        if (j /= i) share = share*(x - (first + j - 1))/(i - j)
+      end do
+      gap = gap + share*gaps(from + i)
+    end do
+    gap = max(0._dp, gap)
   end function listed
 
   !> Struts of the flanks, and of their companions where they rub.

@@ -1,25 +1,29 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
 !> Life of the flexspline: as the wave generator turns, every point of a meridian meets the stresses of the whole circumference.
-!> Their mean and amplitude go to Goodman's line: 1/safety = notch amplitude/limit + max(0, mean)/strength.
+!> Those two of them whose difference has the largest von Mises stress make its cycle; half that stress is the amplitude, the signed
+!> von Mises stress of their mean the mean. Goodman's line: 1/safety = notch amplitude/limit + max(0, mean)/strength.
 module hd_fatigue
   use hd_kinds, only: dp
   use hd_body, only: body_t
   use hd_error, only: error_t
   use hd_output, only: fatigue_file
   use hd_scene, only: scene_t
-  use hd_stress, only: signed_equivalent
+  use hd_stress, only: signed_equivalent, square_of
   use hd_table, only: table_t
   implicit none
   private
-  public :: fatigue_t, judge_fatigue, safety_of, write_fatigue
+  public :: fatigue_t, cycle_weights, judge_fatigue, safety_of, write_fatigue
+
+  real(dp), parameter :: cycle_weights(2, 2) = reshape([0.5_dp, 0.5_dp, -0.5_dp, 0.5_dp], [2, 2])  !< mean, amplitude of two stresses
+  integer, parameter :: many_nodes = 20000  !< of a body, from which two threads are worth waking
 
   !> Nodes of the meridian at the load step with the least safety.
   type :: fatigue_t
     real(dp) :: torque = 0                      !< of that step [N m]
-    real(dp), allocatable :: mean(:)            !< of the signed von Mises stress [Pa]
+    real(dp), allocatable :: mean(:)            !< [Pa]
     real(dp), allocatable :: amplitude(:)       !< [Pa]
     real(dp), allocatable :: safety(:)          !< Goodman's
-    integer :: least(2) = 0                     !< nodes of the body between whose stresses, low and high, it is least
+    integer :: least(2) = 0                     !< nodes of the body whose stresses are the cycle of the least
   end type fatigue_t
 
 contains
@@ -31,19 +35,20 @@ contains
     real(dp), intent(in) :: stress(:, :)          !< at its nodes (6, nodes) [Pa]
     real(dp), intent(in) :: torque                !< of the step [N m]
     type(fatigue_t), intent(inout) :: fatigue     !< worst step so far
-    real(dp), dimension(body%nodes_per_sector) :: low, high, mean, amplitude, safety
-    real(dp) :: s(body%nodes_per_sector, body%sectors)
-    integer :: i
-    s = reshape(signed_equivalent(stress), shape(s))
-    low = s(:, 1)
-    high = s(:, 1)
-    do i = 2, size(s, 2)
-      low = min(low, s(:, i))
-      high = max(high, s(:, i))
-    end do
-    mean = (high + low)/2
-    amplitude = (high - low)/2
-    safety = safety_of(scene, low, high)
+    real(dp), dimension(body%nodes_per_sector) :: mean, amplitude, safety
+    real(dp) :: between(6, body%nodes_per_sector)
+    integer :: pair(2, body%nodes_per_sector), i
+    associate (m => body%nodes_per_sector)
+      !$omp parallel do schedule(static) if(body%nodes() > many_nodes)
+      do i = 1, m
+        pair(:, i) = i + m*(furthest(stress(:, i::m)) - 1)
+        between(:, i) = (stress(:, pair(1, i)) + stress(:, pair(2, i)))/2
+        amplitude(i) = sqrt(square_of(stress(:, pair(2, i)) - stress(:, pair(1, i))))/2
+      end do
+      !$omp end parallel do
+    end associate
+    mean = signed_equivalent(between)
+    safety = safety_of(scene, mean, amplitude)
     if (allocated(fatigue%safety)) then
       if (minval(safety) >= minval(fatigue%safety)) return
     end if
@@ -51,16 +56,38 @@ contains
     fatigue%mean = mean
     fatigue%amplitude = amplitude
     fatigue%safety = safety
-    i = minloc(safety, 1)
-    fatigue%least = i + body%nodes_per_sector*([minloc(s(i, :), 1), maxloc(s(i, :), 1)] - 1)
+    fatigue%least = pair(:, minloc(safety, 1))
   end subroutine judge_fatigue
 
-  !> Safety of a point between two signed stresses.
-  elemental real(dp) function safety_of(scene, low, high) result(safety)
-    type(scene_t), intent(in) :: scene      !< limits
-    real(dp), intent(in) :: low, high       !< [Pa]
-    safety = 1/max(tiny(1._dp), scene%notch_factor*(high - low)/(2*scene%fatigue_limit) + &
-      max(0._dp, (high + low)/2)/scene%tensile_strength)
+  !> Columns whose difference has the largest von Mises stress. By the triangle inequality no column is one of them that lies closer
+  !> to a place than that difference, from the outermost one: only the others are compared with each other.
+  pure function furthest(s) result(pair)
+    real(dp), intent(in) :: s(:, :)  !< (6, n) [Pa]
+    integer :: pair(2), i, j
+    integer, allocatable :: outer(:)
+    real(dp) :: centre(6), away(size(s, 2)), most, square
+    centre = sum(s, 2)/size(s, 2)
+    away = [(sqrt(square_of(s(:, i) - centre)), i=1, size(s, 2))]
+    pair = maxloc(away, 1)
+    pair(2) = maxloc([(square_of(s(:, i) - s(:, pair(1))), i=1, size(s, 2))], 1)
+    most = square_of(s(:, pair(2)) - s(:, pair(1)))
+    outer = pack([(i, i=1, size(s, 2))], away >= sqrt(most) - maxval(away))
+    do j = 2, size(outer)
+      do i = 1, j - 1
+        square = square_of(s(:, outer(i)) - s(:, outer(j)))
+        if (.not. square > most) cycle
+        most = square
+        pair = [outer(i), outer(j)]
+      end do
+    end do
+  end function furthest
+
+  !> Safety of a cycle.
+  elemental real(dp) function safety_of(scene, mean, amplitude) result(safety)
+    type(scene_t), intent(in) :: scene          !< limits
+    real(dp), intent(in) :: mean, amplitude     !< of either sign [Pa]
+    safety = 1/max(tiny(1._dp), scene%notch_factor*abs(amplitude)/scene%fatigue_limit + &
+      max(0._dp, mean)/scene%tensile_strength)
   end function safety_of
 
   !> The meridian's table.

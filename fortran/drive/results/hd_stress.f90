@@ -13,7 +13,7 @@ module hd_stress
   implicit none
   private
   public :: stress_matrices_t, body_stress, nodal_stress, worst_node, node_stress
-  public :: von_mises, largest_of, principal_stresses, signed_equivalent
+  public :: von_mises, square_of, largest_of, principal_stresses, signed_equivalent
 
   integer, parameter :: many_nodes = 20000  !< of a body, from which two threads are worth waking
   integer, parameter :: chunk = 15          !< sectors that a thread evaluates at once, beside the one before them
@@ -51,36 +51,46 @@ contains
     end do
   end subroutine worst_node
 
-  !> Signed von Mises stress of a node under small displacements, and its derivatives.
-  subroutine node_stress(problem, b, node, u, value, error, slope)
+  !> Signed von Mises stress of a weighted sum of the stresses of nodes of one place of the meridian under small displacements, and
+  !> its derivatives.
+  subroutine node_stress(problem, b, nodes, weights, u, value, error, slope)
     type(problem_t), intent(in) :: problem             !< bodies
-    integer, intent(in) :: b, node                     !< body, and which of its nodes
+    integer, intent(in) :: b, nodes(:)                 !< body, and which of its nodes
+    real(dp), intent(in) :: weights(:)                 !< of their stresses
     real(dp), intent(in) :: u(:, :)                    !< displacements (3, n) [m]
     real(dp), intent(out) :: value                     !< [Pa]
     type(error_t), allocatable, intent(out) :: error   !< inverted element
     real(dp), intent(inout), optional :: slope(:, :)   !< gets them added (3, n) [Pa/m]
     real(dp), allocatable :: at_points(:, :), at_nodes(:, :), by_u(:, :, :)
-    integer, allocatable :: list(:, :), meets(:)
+    integer, allocatable :: list(:, :, :), meets(:)
     real(dp) :: s(6, 1)
-    integer :: cell, i, k, n
+    integer :: cell, i, j, k, n
     associate (body => problem%bodies(b), m => problem%bodies(b)%nodes_per_sector)
       n = size(body%cells, 1)
-      meets = pack([(i, i=1, size(body%cells))], modulo([body%cells] - node, m) == 0)
-      allocate (at_points(6*points, 3*n), at_nodes(6*n, 3*n), by_u(6, 3*n, size(meets)), list(n, size(meets)))
+      meets = pack([(i, i=1, size(body%cells))], modulo([body%cells] - nodes(1), m) == 0)
+      allocate (at_points(6*points, 3*n), at_nodes(6*n, 3*n), by_u(6, 3*n, size(meets)), list(n, size(meets), size(nodes)))
       do i = 1, size(meets)
         cell = (meets(i) - 1)/n + 1
         k = meets(i) - n*(cell - 1)  ! the node is this one of the cell, in the sector that brings it there
-        list(:, i) = cell_nodes(body, cell, (node - 1)/m - (body%cells(k, cell) - 1)/m) + problem%first(b)
+        do j = 1, size(nodes)
+          list(:, i, j) = cell_nodes(body, cell, (nodes(j) - 1)/m - (body%cells(k, cell) - 1)/m) + problem%first(b)
+        end do
         call cell_matrices(body, cell, at_points, at_nodes, error)
         if (allocated(error)) return
         by_u(:, :, i) = at_nodes(6*k - 5:6*k, :)/size(meets)
       end do
     end associate
-    s(:, 1) = matmul(reshape(by_u, [6, 3*size(list)]), reshape(u(:, [list]), [3*size(list)]))
+    s = 0
+    do j = 1, size(nodes)
+      s(:, 1) = s(:, 1) + weights(j)*matmul(reshape(by_u, [6, 3*n*size(meets)]), reshape(u(:, [list(:, :, j)]), [3*n*size(meets)]))
+    end do
     value = sum(signed_equivalent(s))
-    do i = 1, merge(size(meets), 0, present(slope))
-      slope(:, list(:, i)) = slope(:, list(:, i)) + &
-        reshape(matmul([3*s(:3, 1) - sum(s(:3, 1)), 6*s(4:, 1)]/(2*value), by_u(:, :, i)), [3, n])
+    if (.not. present(slope)) return
+    do j = 1, size(nodes)
+      do i = 1, size(meets)
+        slope(:, list(:, i, j)) = slope(:, list(:, i, j)) + weights(j)* &
+          reshape(matmul([3*s(:3, 1) - sum(s(:3, 1)), 6*s(4:, 1)]/(2*value), by_u(:, :, i)), [3, n])
+      end do
     end do
   end subroutine node_stress
 

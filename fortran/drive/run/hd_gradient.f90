@@ -14,7 +14,7 @@ module hd_gradient
   use hd_drive, only: drive_t, drive_load, step_friction, strut_load, touch_teeth
   use hd_error, only: error_t
   use hd_facets, only: facets_t, sums_t, evaluate_facets, sum_stiffness, stiffness_slopes, edge_loads
-  use hd_fatigue, only: fatigue_t, safety_of
+  use hd_fatigue, only: cycle_weights, fatigue_t, safety_of
   use hd_joint, only: joint_t, at_friction
   use hd_lapack, only: dgemm
   use hd_linear_solver, only: linear_solver_t
@@ -270,7 +270,7 @@ contains
     type(load_t) :: load
     type(error_t), allocatable :: error  ! none: the mesh is checked
     real(dp), allocatable :: u(:, :), force(:), line(:, :)
-    real(dp) :: stress, most(2), ends(2)
+    real(dp) :: stress, most(2), cycle(2)
     integer :: i
     associate (top => self%station(self%top), worst => self%station(self%worst))
       if (present(k_ts)) then
@@ -282,7 +282,7 @@ contains
       call drive_load(drive, assembly_at(scene, worst%place), 0._dp, 0._dp, load)
       u = worst%state%u
       call prescribe(drive%problem, load, u)
-      call node_stress(drive%problem, self%spot(1), self%spot(2), u, stress, error)
+      call node_stress(drive%problem, self%spot(1), self%spot(2:), [1._dp], u, stress, error)
       allocate (value(0))
       if (scene%support%loop) then
         most = 0
@@ -298,9 +298,9 @@ contains
         u = self%station(self%tired_at)%state%u
         call prescribe(drive%problem, load, u)
         do i = 1, 2
-          call node_stress(drive%problem, drive%b_cup, self%tired(i), u, ends(i), error)
+          call node_stress(drive%problem, drive%b_cup, self%tired, cycle_weights(:, i), u, cycle(i), error)
         end do
-        value = [readings_of(self, scene, drive), most, safety_of(scene, ends(1), ends(2))]
+        value = [readings_of(self, scene, drive), most, safety_of(scene, cycle(1), cycle(2))]
       end if
       line = edge_loads(drive, top%state%traction(1, :))
       associate (m => drive%problem%mortar%n - drive%problem%mortar%rigid)
@@ -349,7 +349,7 @@ contains
     real(dp), allocatable, intent(out) :: value(:)    !< results; of the tangent 0
     type(error_t), allocatable, intent(out) :: error  !< inverted element
     real(dp), allocatable :: k_ts, line(:, :), by_u(:, :, :)
-    real(dp) :: stress, ends(2), step
+    real(dp) :: stress, cycle(2)
     integer :: f, i, m, n
     call worst_node(drive%problem, self%station(self%worst)%state%u, self%spot(1), self%spot(2), error)
     if (allocated(error)) return
@@ -371,13 +371,11 @@ contains
       self%result(looped)%station = self%tired_at
       allocate (by_u(3, drive%problem%n, 2), source=0._dp)
       do i = 1, 2
-        call node_stress(drive%problem, drive%b_cup, self%tired(i), self%station(self%tired_at)%state%u, ends(i), &
-          error, by_u(:, :, i))
+        call node_stress(drive%problem, drive%b_cup, self%tired, cycle_weights(:, i), self%station(self%tired_at)%state%u, &
+          cycle(i), error, by_u(:, :, i))
       end do
-      step = share_of_state*(ends(2) - ends(1))
-      self%result(looped)%by_u = ((safety_of(scene, ends(1) + step, ends(2)) - safety_of(scene, ends(1) - step, ends(2)))* &
-        by_u(:, :, 1) + (safety_of(scene, ends(1), ends(2) + step) - safety_of(scene, ends(1), ends(2) - step))* &
-        by_u(:, :, 2))/(2*step)
+      self%result(looped)%by_u = -safety_of(scene, cycle(1), cycle(2))**2*(merge(by_u(:, :, 1), 0._dp, cycle(1) > 0)/ &
+        scene%tensile_strength + sign(scene%notch_factor/scene%fatigue_limit, cycle(2))*by_u(:, :, 2))
       n = looped
     else
       n = size(self%result)
@@ -391,7 +389,7 @@ contains
     m = drive%problem%mortar%n - drive%problem%mortar%rigid
     self%result(n + 3)%by_t(1, :m) = drive%problem%mortar%area(:m)
     self%result(n + 4)%station = self%worst
-    call node_stress(drive%problem, self%spot(1), self%spot(2), self%station(self%worst)%state%u, stress, error, &
+    call node_stress(drive%problem, self%spot(1), self%spot(2:), [1._dp], self%station(self%worst)%state%u, stress, error, &
       self%result(n + 4)%by_u)
     self%result(n + 4)%by_u = sign(1._dp, stress)*self%result(n + 4)%by_u
     self%result(n + 5)%station = self%top

@@ -102,7 +102,7 @@ contains
     call add_integer(t, 'mesh', 'wall_elements', 'model', s%wall_elements, 0, 10000, &
       'cells along the wall behind band and rim; 0: as long as the facets')
     call add_integer(t, 'mesh', 'bottom_elements', 'model', s%bottom_elements, 0, 10000, &
-      'cells along the bottom; 0: as long as the facets')
+      'cells along the bottom, all alike; 0: as long as the facets, shorter at the clamped edge')
     call add_integer(t, 'mesh', 'through_wall', 'model', s%through_wall, 1, 100, 'cells through wall, rim and bottom')
     call add_integer(t, 'mesh', 'through_ring', 'model', s%through_ring, 1, 100, 'cells through the ring')
     call add_real(t, 'mesh', 'edge_length', 'model', s%edge_length, 'm', 0._dp, big, &
@@ -195,8 +195,8 @@ contains
       'stiffness of a pair of teeth along its normal; the default is 14 N/(mm um) times a width of 9 mm')
     call tolerate(t, 0.3_dp, 'value', 'spread of ISO 6336 figures')
     call add_reals(t, 'load', 'tooth_gaps', 'load', s%gaps, 'm', 0._dp, big, &
-      'clearance of every pair at one end of the long axis, or at both, in the order of teeth.csv at tooth_phase 0, linear '// &
-      'between them at others; in the place of tooth_clearance; 0: none is given', s%gap_count)
+      'clearance of every pair at one end of the long axis, or at both, in the order of teeth.csv at tooth_phase 0, on a '// &
+      'cubic between them at others; in the place of tooth_clearance; 0: none is given', s%gap_count)
     call tolerate(t, 1e-6_dp/17.5e-3_dp, 'bore', 'estimate')
     call add_reals(t, 'load', 'tooth_gaps_back', 'load', s%gaps_back, 'm', 0._dp, big, &
       'clearance of the other flank of every pair, that a negative torque presses, where it differs from tooth_gaps; as many '// &

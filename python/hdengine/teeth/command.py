@@ -37,7 +37,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         told = "" if len(owners) > 1 else f"{owners[0]}: "
         parser.add_argument(f"--{name.replace('_', '-')}", type=float, required=name == "module", metavar="X", help=told + text)
     parser.add_argument("--least-gap", type=float, metavar="X",
-                        help="clearance of the closest pair of a half turn [m] (default: 0)")
+                        help="clearance of the closest pair of a turn [m] (default: 0)")
     parser.add_argument("--spline-teeth", type=int, metavar="N", help="of the circular spline (default: two more than load.teeth)")
     parser.add_argument("--out", help=f"folder for {', '.join(FILES)} (default: the input's stem.teeth)")
     parser.add_argument("--force", action="store_true", help="replace earlier results")

@@ -24,7 +24,8 @@ __all__ = ["ToothGaps", "tooth_gaps"]
 FILES = ("gaps.json", "gaps.csv", "gaps.nml", "gaps.png")
 MOST_SPACES = 1.5   # of the circular spline over the teeth
 ROOT = 0.9, 1.15    # diameter at the root of the teeth over module times teeth: else they stand on another wall
-STEP = 0.5        # of the places of a half turn at which the closest pair is sought [tooth pitches]
+STEP = 0.5        # of the places of a turn at which the closest pair is sought [tooth pitches]
+BOTH = [(side, end) for side in (1, -1) for end in (0, 1)]   # flanks of a tooth, ends of the long axis
 STEPS = 0.05      # of those whose envelope is the circular spline
 COARSE = 60       # points of a flank in that search
 SETTLED = 1e-11   # of the least clearance [m]
@@ -45,7 +46,7 @@ class ToothGaps:
     tooth, space : ndarray (n, 2)
         Flank of the flexspline at rest and of the circular spline's space (s, r) [m].
     least_m : float
-        Clearance of the closest pair of a half turn [m].
+        Clearance of the closest pair of a turn [m].
     bottom_m : float
         Radial way from the tip of the tooth on the long axis to the bottom of its space [m]; NaN of an envelope.
     facts : dict
@@ -95,7 +96,7 @@ class ToothGaps:
         angle = self.pressure_angle_deg
         lines = [f"{type(self.profile).__name__}: teeth {f['teeth']} / {f['spline_teeth']}, module {1e3 * self.profile.module:.5g} "
                  f"mm, {shape}",
-                 f"  closest pair of a half turn {1e6 * self.least_m:.3g} um, mean pressure angle {angle:.1f} deg",
+                 f"  closest pair of a turn {1e6 * self.least_m:.3g} um, mean pressure angle {angle:.1f} deg",
                  "  place/pitches   clearance/um: flank of a positive torque, other flank   pressure angle/deg"]
         for i in range(half):
             lines.append(f"  {t['place_pitches'][i]:13.4g} {1e6 * t['gap_m'][i]:14.3f} {1e6 * t['gap_back_m'][i]:14.3f} "
@@ -147,7 +148,7 @@ def tooth_gaps(profile: Involute | DoubleArc, path: PathLike = "", *, least_gap:
         Namelist of the scene, '' takes the defaults; or the folder of a run of it, with a grid of the assembly at 0 N m: its rim is
         taken, the mean over the width of the circular spline.
     least_gap : float, optional
-        Clearance of the closest pair of a half turn [m], default 0: it sets x2 of an Involute where that is not given, and moves
+        Clearance of the closest pair of a turn [m], default 0: it sets x2 of an Involute where that is not given, and moves
         the envelope of a DoubleArc.
     spline_teeth : int, optional
         Teeth of the circular spline; default: two more than the flexspline's.
@@ -229,8 +230,8 @@ def _outlines(rim, tooth, space, places, spaces):
 
 
 def _closest(rim, tooth, space, places, spaces):
-    """Least clearance of a half turn, of the teeth that reach into a space [m]."""
-    flanks = np.concatenate([rim.flanks(tooth, places, spaces, side) for side in (1, -1)])
+    """Least clearance of a turn, of the teeth that reach into a space [m]."""
+    flanks = np.concatenate([rim.flanks(tooth, places, spaces, *which) for which in BOTH])
     reach = flanks[:, -1, 1] > space[0, 1]
     return min(flank_gap(flank, space)[0] for flank in (flanks[reach] if reach.any() else flanks))
 
@@ -259,7 +260,7 @@ def _conjugate(rim, tooth, spaces, lift, points, least):
     """Envelope of a tooth's flanks as the flank of the space, moved outwards by the least clearance."""
     quarter = rim.scene["load.teeth"] // 4
     places = np.arange(-quarter, quarter + STEPS / 2, STEPS)
-    swept = np.concatenate([rim.flanks(tooth, places, spaces, side) for side in (1, -1)])
+    swept = np.concatenate([rim.flanks(tooth, places, spaces, *which) for which in BOTH])
     low, high = np.hypot(*tooth[0]) + lift, np.hypot(*tooth[-1]) + lift
     radius = np.linspace(low + 0.15 * (high - low), high, points)     # the mouth clears the tooth's root
     half = envelope(swept, radius)

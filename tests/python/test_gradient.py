@@ -10,8 +10,8 @@ import pytest
 import hdengine
 from conftest import ROOT, call
 
-DRIVE = {"mesh.divisions": 24, "mesh.band_facets": 4, "bearing.balls": 12, "load.tooth_pairs": 12, "output.vtu": "none", "load.torque_steps": 2,
-         "loop.torques": [14.0, -3.0], "solver.tolerance": 1e-12}
+DRIVE = {"mesh.divisions": 24, "mesh.band_facets": 4, "bearing.balls": 12, "load.tooth_pairs": 12, "output.vtu": "none",
+         "load.torque_steps": 2, "loop.torques": [14.0, -3.0], "solver.tolerance": 1e-12}
 HUB = {"mesh.divisions": 24, "mesh.band_facets": 4, "load.assembly_steps": 2, "load.torque_steps": 2, "solver.tolerance": 1e-12, "output.vtu": "none"}
 
 

@@ -25,7 +25,7 @@ class Oracle:
         ds = d - 1
         with mp.workdps(80):  # the equation is 0/0 at D = 3
             self.psi = findroot(lambda x: (x ** ((2 - ds) / 2) - (1 + x ** (-ds / 2)) ** (-(2 - ds) / ds)) / ((2 - ds) / ds) - 1,
-                                (mpf("1.71"), mpf("2.63")), solver="anderson", tol=mpf(10) ** -100)
+                                (mpf("1.71"), mpf("2.63")), tol=mpf(10) ** -100)
         self.edges = [self.s_ec] + [c * x**n * self.s_ec for (c, n), x in zip(AREA[1:], JUMPS[1:])]
         # load and stiffness of a spot as coefficient and power of s / s_ec, per regime
         self.load, self.stiff = [], []

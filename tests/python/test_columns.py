@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every column of every table is held by a value from outside: a formula here, or the test that HELD names; numbers of JSON: test_summaries."""
 import ast
+import functools
 import json
 import re
 from math import erf
@@ -431,15 +432,17 @@ def words(source):
     return found
 
 
+@functools.cache
 def source_of(name):
     """Text of a test, FILE::TEST, with the helpers and constants of its file that it names."""
     path, test = name.split("::")
     text = (ROOT / "tests/python" / path).read_text()
-    parts = {word.id if isinstance(word, ast.Name) else word.name: ast.get_source_segment(text, node) for node in ast.parse(text).body
+    parts = {word.id if isinstance(word, ast.Name) else word.name: node for node in ast.parse(text).body
              for word in (ast.walk(node) if isinstance(node, ast.Assign) else [node])
              if isinstance(word, ast.FunctionDef) or isinstance(word, ast.Name) and isinstance(word.ctx, ast.Store)}
     assert test in parts, f"{name} is no test"
-    return "\n".join([parts[test], *(parts[word] for word in parts if word != test and re.search(rf"\b{word}\b", parts[test]))])
+    own = ast.get_source_segment(text, parts[test])
+    return "\n".join([own, *(ast.get_source_segment(text, node) for word, node in parts.items() if word != test and re.search(rf"\b{word}\b", own))])
 
 
 def test_every_column_is_held(press, drive, surface, joint):

@@ -48,7 +48,7 @@ def commands(exe="", folder=None):
         "press fit": [exe, CD14, *WORDS, "output.vtu=all", "--out", "r"],
         "surface": [exe, ROOT / "data/surface.nml", *SURFACE, "--out", "r"],
         "drive": [exe, ROOT / "tests/cases/pressed_drive.nml", *DRIVE, "--out", "r"],
-        "planned": [exe, CD14, *QUICK, "--out", "r"],
+        "planned": [exe, CD14, *QUICK, "load.torque_steps=0", "--out", "r"],
         "run": [*FILL, "run", CD14, *WORDS, "--out", "r"],
         "study": study,
         "shard": [*study, "--shard", "1/1"],
@@ -157,7 +157,7 @@ def starve(disk, words, start, more, every):
     """A command where it finds little room, in a process of its own; whether disks were tried."""
     style.StyledFigure.savefig = lambda _, file, **__: file.write(bytes(30000) + PICTURE_END)
     uncertainty.bands = uncertainty.joint_indices = lambda *_: {}
-    for owner, work in ((record.Record, "numbers"), (drive, "_gaps"), (teeth, "tooth_gaps"), (prediction, "predict")):
+    for owner, work in ((record.Record, "numbers"), (record.Record, "curve"), (drive, "_gaps"), (teeth, "tooth_gaps"), (prediction, "predict")):
         setattr(owner, work, once(getattr(owner, work)))
     disk.mkdir()
     mounted, whole_or_none = own_disks(disk), words[:3] == FILL and "--out" in words and words[3] not in ("run", "study")

@@ -85,7 +85,8 @@ def copy_checkout(folder):
     (folder / "data").unlink()  # a coarse drive: the whole one is run by docs/start/first_run.md
     (folder / "data").mkdir()
     scene = (ROOT / "data/drive14.nml").read_text()
-    (folder / "data/drive14.nml").write_text(scene.replace("divisions = 86", "divisions = 32").replace("torque_steps = 10", "torque_steps = 2"))
+    (folder / "data/drive14.nml").write_text(scene.replace("divisions = 86", "divisions = 32").replace("torque_steps = 10", "torque_steps = 2").replace(
+        "&run\n", "&run\n  band = .false.\n"))
     (folder / "tools").mkdir()  # the copy has no commit to take its version from: that of the checkout
     (folder / "tools/version.sh").write_text(f"#!/bin/sh\necho {(ROOT / '.venv/version').read_text()}")
     (folder / "tools/version.sh").chmod(0o755)

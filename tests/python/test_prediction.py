@@ -9,7 +9,7 @@ import pytest
 
 import hdengine
 from conftest import ROOT, solved
-from hdengine import cli
+from hdengine import cli, specimen
 from hdengine.elastic import ElasticJoint, contact_from_spectrum, moduli, stiffness_from_spectrum
 from hdengine.prediction import half_space, patches
 from hdengine.prediction.bodies import Bodies
@@ -273,7 +273,8 @@ def test_command_overwrites_nothing(tmp_path, capsys):
 def test_unit_and_spacing_go_to_the_map_that_lacks_them(tmp_path, capsys):
     """A file that states its size and a .npy map make a pair with --dx; where no map lacks it the option is refused by its name."""
     np.save(tmp_path / "a.npy", 1e6 * rough(64, 0.7, 16, 6, 20))
-    sdf, out = str(ROOT / "data/specimen_bearing.sdf"), str(tmp_path / "o")
+    sdf, out = str(tmp_path / "b.sdf"), str(tmp_path / "o")
+    specimen.save(sdf, specimen.Specimen(rough(96, 0.7, 16, 6, 21), (1e-6, 1e-6)))
     rest = ["--model", "spectrum", "--pressure", "1e7", "--out", out]
     assert cli.main(["joint", sdf, str(tmp_path / "a.npy"), "--dx", "5e-6", "--unit", "um", *rest]) == 0
     assert len(json.loads((tmp_path / "o/joint.json").read_text())["surfaces"]) == 2

@@ -107,8 +107,8 @@ def test_a_run_taken_up_after_every_load_step_leaves_the_same_folder(exe, tmp_pa
 
 
 @pytest.mark.parametrize(("scene", "keys"), [
-    ("cd14", {"run.tolerance": 0.5, "load.torque_steps": 1}),
-    ("cd14", {"run.tolerance": 0.5, "load.support": "bearing", "load.torque": 10.0, "solver.max_iterations": 11, "solver.kinematics": "linear", "solver.start": "rest"}),
+    ("cd14", {"run.tolerance": 0.5, "load.torque_steps": 1, "geometry.bore_radius": 9e-3, "geometry.hub_radius": 4e-3}),
+    ("cd14", {"run.tolerance": 0.5, "geometry.bore_radius": 9e-3, "geometry.hub_radius": 4e-3, "load.support": "bearing", "load.torque": 2.0, "solver.max_iterations": 11, "solver.kinematics": "linear", "solver.start": "rest"}),
     ("../tests/cases/pressed_drive", {"run.tolerance": 0.4, "solver.kinematics": "linear", "loop.torques": "6,0", "load.tooth_friction": 0.1, "turning.positions": 1}),
 ], ids=["fit", "cuts", "drive"])
 def test_a_plan_that_goes_on_with_its_last_run_leaves_the_same_folder(exe, tmp_path, scene, keys):
@@ -319,8 +319,8 @@ def test_a_checkpoint_of_another_run_is_refused(tmp_path):
 
 def test_a_plan_takes_up_no_trials_of_other_tables(exe, tmp_path):
     """A table that a key names and that has changed since makes every trial anew: limits are those of a plan that begins with it."""
-    words = ["geometry.bore_radius=9e-3", "geometry.hub_radius=4e-3", "solver.kinematics=linear", "run.tolerance=0.3", "joint.model=table", "contact.law=joint",
-             f"joint.table_file={tmp_path / 'k.csv'}", "--out"]
+    words = ["geometry.bore_radius=9e-3", "geometry.hub_radius=4e-3", "solver.kinematics=linear", "run.tolerance=0.3",
+             "load.torque=1", "joint.model=table", "contact.law=joint", f"joint.table_file={tmp_path / 'k.csv'}", "--out"]
     found = {}
     for name, k in (("stiff", 1e14), ("soft", 1e13)):
         (tmp_path / "k.csv").write_text(f"pressure_pa,k_n_pa_per_m\n1e6,{k / 50}\n1e8,{k}\n")
@@ -336,7 +336,7 @@ def test_a_plan_takes_up_no_trials_of_other_tables(exe, tmp_path):
 
 def test_a_mutated_plan_is_refused(exe, tmp_path):
     """A changed row of plan.csv ends a resumed plan with code 3 that names the row."""
-    words = ["geometry.bore_radius=9e-3", "geometry.hub_radius=4e-3", "solver.kinematics=linear", "run.tolerance=0.3", "--out", tmp_path / "p"]
+    words = ["geometry.bore_radius=9e-3", "geometry.hub_radius=4e-3", "solver.kinematics=linear", "run.tolerance=0.3", "load.torque=1", "--out", tmp_path / "p"]
     assert call(exe, CD14, *words).returncode == 0
     (tmp_path / "p/summary.json").unlink()
     text = (tmp_path / "p/plan.csv").read_text()

@@ -6,7 +6,7 @@ module f2py_scene
   use hd_input, only: read_scene
   use hd_json, only: json_t
   use hd_open_run, only: check_run
-  use hd_input_tolerances, only: mean_clearance
+  use hd_input_tolerances, only: mean_clearance, mean_play
   use hd_joint_choice, only: choose_joint
   use hd_planner, only: plan_text
   use hd_scene, only: scene_t
@@ -19,7 +19,7 @@ module f2py_scene
   use hd_plausible, only: implausible
   implicit none
   private
-  public :: scene_text, series_mesh, handed_text, scene_cam, fit_clearance, explain_text, scene_doubts
+  public :: scene_text, series_mesh, handed_text, scene_cam, fit_clearance, ball_clearance, explain_text, scene_doubts
 
 contains
 
@@ -115,6 +115,16 @@ contains
     clearance = mean_clearance(2*radius)
     status = 0
   end subroutine fit_clearance
+
+  !> Mean radial clearance of the balls of a bearing of normal class, by its outer radius, the thickness of a ring and the diameter of
+  !> a ball, all in m.
+  subroutine ball_clearance(radius, ring, ball, clearance, status)
+    real(c_double), intent(in) :: radius, ring, ball
+    real(c_double), intent(out) :: clearance
+    integer(c_int), intent(out) :: status
+    clearance = mean_play(radius, ring, ball)
+    status = 0
+  end subroutine ball_clearance
 
   !> Meaning, unit and default of a key, of a group, or of all, as hdengine.x --explain tells them.
   subroutine explain_text(name, status)

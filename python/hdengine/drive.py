@@ -29,14 +29,10 @@ if TYPE_CHECKING:
 
 __all__ = ["as_built"]
 RATIOS = (30, 200)  # of strain wave gears with two lobes: below, the teeth are too high to be bent in; above, too fine
-# bores of bearings up to [m], mean internal clearance of the normal class across the diameter (ISO 5753-1) [m]
-PLAYS = ((18e-3, 10.5e-6), (30e-3, 12.5e-6), (40e-3, 13e-6), (50e-3, 14.5e-6), (65e-3, 18e-6), (80e-3, 20e-6), (100e-3, 24e-6),
-         (120e-3, 28e-6), (140e-3, 33e-6), (160e-3, 35.5e-6))
 TOOTH = 1.4e10    # stiffness of a pair of teeth over the width that touches (ISO 6336) [N/m2]
 DIAPHRAGM = 0.002  # thickness by radius squared, over the pitch diameter cubed (EP 1 628 045: 0.0014 to 0.0026)
 WALL = 0.36e-3   # of size 14 [m]
 RIM = 0.427 / 0.36   # thickness of the rim over that of the wall, for the teeth's stiffness
-BORE = 24.6e-3   # of the bearing of size 14: 35 mm outside, two rings of 1 mm and a ball of 3.2 mm at either side [m]
 BEARINGS = ((35e-3, 6e-3), (42e-3, 7e-3), (62e-3, 9e-3))    # outer diameters and widths of flexible bearings [m]
 RINGS = ((14, 5e-3), (20, 6e-3), (25, 8e-3), (32, 10e-3), (40, 13e-3))  # sizes and widths of either ring of flat gears [m]
 SHORT = re.compile(r"[-+.\d\s,eEdD]+|\.?(true|false)\.?", re.IGNORECASE)  # a value that a namelist takes without quotes
@@ -54,11 +50,6 @@ class Known(NamedTuple):
 KNOWN = {11: Known(5), 14: Known(7.8, 50, 11.25, 24.25), 17: Known(24, 60, 13.25, 30.25), 20: Known(40, 70, 15.5, 35.25),
          25: Known(67, 85, 19.25, 44.5), 32: Known(137, 110, 25.5, 57.75), 40: Known(265, 135, 30.5, 71), 45: Known(353, flange=80),
          50: Known(470, flange=88.5), 58: Known(696, flange=102.5), 65: Known(951), 80: Known(1800), 90: Known(2590)}
-
-
-def _play(bore):
-    """Mean radial clearance of the balls [m]: the fit on the cam leaves none to all that a normal bearing has (ISO 5753-1)."""
-    return next(play / 4 for most, play in PLAYS if bore <= most)
 
 
 def _width(of, known):
@@ -110,7 +101,8 @@ def _scene(size, ratio, hat):
         "geometry": geometry, "cup": cup, "mesh": {"divisions": 86, "band_facets": 10},
         "wave_generator": {"w": 0.2e-3 * s * 100 / ratio, "cam": "cosine",
                            "clearance": float(_engine.call("fit_clearance", geometry["bore_radius"]))},
-        "bearing": {"balls": 21, "ball_diameter": 3.2e-3 * s, "clearance": _play(BORE * s)}, "contact": {"friction": 0.1},
+        "bearing": {"balls": 21, "ball_diameter": 3.2e-3 * s, "clearance": float(_engine.call(
+            "ball_clearance", geometry["bore_radius"], geometry["ring_thickness"], 3.2e-3 * s))}, "contact": {"friction": 0.1},
         "load": {"support": "drive", "torque": known.torque, "torque_steps": 10, "teeth": 2 * ratio,
                  "tooth_pairs": 2 * round(0.2 * ratio), "pressure_angle_deg": _pressure_angle(ratio),
                  "tooth_stiffness": TOOTH * breadth,

@@ -227,6 +227,14 @@ def test_fit_crosses_zero(exe, tmp_path):
         assert of_input(found, f"wave_generator.{key}") == pytest.approx(part, rel=0.1), key  # of the fall
 
 
+def test_balls_without_clearance_have_its_tolerance(exe, tmp_path):
+    """The tolerance of the balls' clearance is that of the bearing whatever the value: 3.125 um at 0, where it had none."""
+    found = solve(exe, tmp_path / "b", "bearing.clearance=0", ALONE.replace("bearing.clearance", "wave_generator.clearance"))
+    ends = [solve(exe, tmp_path / "r", f"bearing.clearance={side * 3.125e-6}", "run.band=.false.")["k2_nm_per_rad"] for side in (-1, 1)]
+    part = variance([np.log(k / found["k2_nm_per_rad"]) for k in ends])
+    assert of_input(found, "bearing.clearance") == pytest.approx(part, rel=0.1)
+
+
 def test_only_a_drive_has_a_band(exe, tmp_path):
     """Another support is refused."""
     done = call(exe, ROOT / "data/cd14.nml", "run.band=.true.", "--out", tmp_path / "g")

@@ -34,7 +34,7 @@ module hd_parameter_row
     logical :: given = .false.                           !< set by the user
     real(dp) :: tolerance = 0                            !< half width of a 95 % interval of the value; 0: none is stated
     character(len=5) :: tolerance_of = ''                !< what it is a share of: 'value', 'bore' (its radius), 'fit' (its mean
-                                                         !< clearance); '': in the unit
+                                                         !< clearance), 'play' (that of the balls); '': in the unit
     character(len=:), allocatable :: tolerance_source    !< in a word or two
   contains
     procedure :: stage
@@ -117,7 +117,7 @@ contains
   subroutine tolerate(table, tolerance, of, source)
     type(parameter_table_t), intent(inout) :: table   !< table
     real(dp), intent(in) :: tolerance                 !< half width of a 95 % interval
-    character(len=*), intent(in) :: of                !< 'value', 'bore', 'fit' or ''
+    character(len=*), intent(in) :: of                !< 'value', 'bore', 'fit', 'play' or ''
     character(len=*), intent(in) :: source            !< where it comes from
     associate (row => table%rows(table%used))
       row%tolerance = tolerance

@@ -18,7 +18,7 @@ module hd_tolerance_runs
   use hd_march, only: march
   use hd_mesh_series, only: small_displacements
   use hd_model, only: model_t, give_back
-  use hd_input_tolerances, only: mean_clearance
+  use hd_input_tolerances, only: mean_clearance, mean_play
   use hd_parameter_row, only: stage_model
   use hd_parameters, only: parameter_t, parameter_table_t, new_table, value_count, value_text
   use hd_run, only: run_t, new_run, close_run, differentiate_run, leave_model
@@ -318,12 +318,12 @@ contains
         input%key%s = p%group//'.'//p%key
         if (input%key%s == 'load.tooth_gaps') call list_gaps(moved)
         before = value_text(p)
-        if (input%key%s == 'load.tooth_gaps') moved%gaps_back = moved_value(p, moved%gaps_back, side, scene%bore_radius)
+        if (input%key%s == 'load.tooth_gaps') moved%gaps_back = moved_value(p, moved%gaps_back, side, scene)
         if (associated(p%real)) x = p%real
         if (any(input%key%s == fit)) then
           call move_fit(p, side, moved)
         else
-          call move(p, side, scene%bore_radius)
+          call move(p, side, scene)
         end if
         if (value_text(p) /= before .or. any(input%key%s == fit)) then
           input%ends = input%ends + 1
@@ -366,31 +366,32 @@ contains
   end function unturned
 
   !> Move a value to an end of its tolerance, within its valid range.
-  subroutine move(p, side, bore)
+  subroutine move(p, side, scene)
     type(parameter_t), intent(in) :: p   !< row; its value is moved
     integer, intent(in) :: side          !< -1 lower end, 1 upper end
-    real(dp), intent(in) :: bore         !< radius [m]
+    type(scene_t), intent(in) :: scene   !< before
     integer :: i
     if (associated(p%text)) then
       i = findloc([(p%choices(i)%s == p%text, i=1, size(p%choices))], .false., 1)
       p%text = p%choices(i)%s
     else if (associated(p%reals)) then
-      p%reals(:value_count(p)) = moved_value(p, p%reals(:value_count(p)), side, bore)
+      p%reals(:value_count(p)) = moved_value(p, p%reals(:value_count(p)), side, scene)
     else
-      p%real = moved_value(p, p%real, side, bore)
+      p%real = moved_value(p, p%real, side, scene)
     end if
   end subroutine move
 
   !> A number at an end of its tolerance; where that leaves the valid range its bound, or half the way to it if that is not valid.
-  elemental real(dp) function moved_value(p, x, side, bore) result(y)
+  elemental real(dp) function moved_value(p, x, side, scene) result(y)
     type(parameter_t), intent(in) :: p   !< row
     real(dp), intent(in) :: x            !< value
     integer, intent(in) :: side          !< -1 lower end, 1 upper end
-    real(dp), intent(in) :: bore         !< radius [m]
+    type(scene_t), intent(in) :: scene   !< before
     real(dp) :: width
     width = p%tolerance
     if (p%tolerance_of == 'value') width = width*abs(x)
-    if (p%tolerance_of == 'bore') width = width*bore
+    if (p%tolerance_of == 'bore') width = width*scene%bore_radius
+    if (p%tolerance_of == 'play') width = width*mean_play(scene%bore_radius, scene%ring_thickness, scene%ball_diameter)
     y = x + side*width
     if (y <= p%low) y = merge((x + p%low)/2, p%low, p%open_low)
     if (y >= p%high) y = merge((x + p%high)/2, p%high, p%open_high)

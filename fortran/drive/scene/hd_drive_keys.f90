@@ -36,7 +36,7 @@ contains
     call add_real(t, 'bearing', 'clearance', 'assembly', s%ball_clearance, 'm', -big, big, &
       'radial clearance between ball and grooves before the bearing is bent; negative: preload. The fit on the cam leaves '// &
       'between none and half of the internal clearance across the diameter', closed=.true.)
-    call tolerate(t, 1._dp, 'value', 'ISO 5753-1, normal class')
+    call tolerate(t, 1._dp, 'play', 'ISO 5753-1, normal class')
     call add_real(t, 'bearing', 'cage_angle_deg', 'assembly', s%cage_angle_deg, 'deg', -360._dp, 360._dp, &
       'place of the first ball, from the long axis', closed=.true.)
     call add_real(t, 'bearing', 'ball_e', 'model', s%ball_e, 'Pa', 0._dp, big, "Young's modulus of the balls")

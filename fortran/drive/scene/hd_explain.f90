@@ -113,6 +113,8 @@ contains
     else if (p%tolerance_of == 'fit') then
       s = s//'+-'//rounded(p%tolerance)//' times the mean clearance of the bore, 9 um from 30 to 50 mm; '// &
         'below 0 it is an interference'
+    else if (p%tolerance_of == 'play') then
+      s = s//'+-'//rounded(p%tolerance)//' times the mean clearance of a bearing of this bore, 3.125 um from 18 to 30 mm'
     else
       s = s//'+-'//trim(rounded(p%tolerance)//' '//p%unit)
     end if

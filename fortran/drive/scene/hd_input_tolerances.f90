@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: GPL-3.0-or-later
-!> Tolerances of the inputs of a band: the mean fit of a bearing in its bore, and what a scene states itself by run.tolerances.
+!> Tolerances of the inputs of a band: the mean fit of a bearing in its bore and the mean clearance of its balls, and what a scene
+!> states itself by run.tolerances.
 module hd_input_tolerances
   use hd_kinds, only: dp
   use hd_parameter_row, only: parameter_t, parameter_table_t, stage_load
@@ -7,7 +8,7 @@ module hd_input_tolerances
   use hd_unit, only: in_unit
   implicit none
   private
-  public :: mean_clearance, take_tolerances
+  public :: mean_clearance, mean_play, take_tolerances
 
   character(len=*), parameter :: nl = new_line('a')
 
@@ -15,6 +16,10 @@ module hd_input_tolerances
   real(dp), parameter :: widths(3, 7) = reshape([30e-3_dp, 21e-6_dp, 9e-6_dp, 50e-3_dp, 25e-6_dp, 11e-6_dp, 80e-3_dp, 30e-6_dp, &
     13e-6_dp, 120e-3_dp, 35e-6_dp, 15e-6_dp, 150e-3_dp, 40e-6_dp, 18e-6_dp, 180e-3_dp, 40e-6_dp, 25e-6_dp, 250e-3_dp, 46e-6_dp, &
     30e-6_dp], [3, 7])
+  !> Bores of bearings up to [m], mean internal clearance of the normal class across the diameter (ISO 5753-1) [m].
+  real(dp), parameter :: plays(2, 10) = reshape([18e-3_dp, 10.5e-6_dp, 30e-3_dp, 12.5e-6_dp, 40e-3_dp, 13e-6_dp, 50e-3_dp, &
+    14.5e-6_dp, 65e-3_dp, 18e-6_dp, 80e-3_dp, 20e-6_dp, 100e-3_dp, 24e-6_dp, 120e-3_dp, 28e-6_dp, 140e-3_dp, 33e-6_dp, &
+    160e-3_dp, 35.5e-6_dp], [2, 10])
 
 contains
 
@@ -25,6 +30,13 @@ contains
     i = min(count(widths(1, :) < diameter) + 1, size(widths, 2))
     clearance = sum(widths(2:, i))/4
   end function mean_clearance
+
+  !> Mean radial clearance of the balls of a bearing [m]: its fit on the cam leaves none to all of the normal class. Both rings are as
+  !> thick.
+  pure real(dp) function mean_play(radius, ring, ball) result(play)
+    real(dp), intent(in) :: radius, ring, ball  !< of the outside, thickness of a ring, diameter of a ball [m]
+    play = plays(2, min(count(plays(1, :) < 2*(radius - 2*ring - ball)) + 1, size(plays, 2)))/4
+  end function mean_play
 
   !> Enter the tolerances of a text, 'group.key=half width, group.key=half width', in the place of those that the table states.
   pure subroutine take_tolerances(text, table, faults)

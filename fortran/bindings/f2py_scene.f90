@@ -116,8 +116,8 @@ contains
     status = 0
   end subroutine fit_clearance
 
-  !> Mean radial clearance of the balls of a bearing of normal class, by its outer radius, the thickness of a ring and the diameter of
-  !> a ball, all in m.
+  !> Mean radial clearance of the balls of a bearing of normal class, by its outer radius, the thickness of a ring and the diameter
+  !> of a ball, all in m.
   subroutine ball_clearance(radius, ring, ball, clearance, status)
     real(c_double), intent(in) :: radius, ring, ball
     real(c_double), intent(out) :: clearance

@@ -191,8 +191,8 @@ contains
     strip%layers = scene%through_wall
   end subroutine sectioned_strip
 
-  !> Length of the cell at the clamped edge, where bending is largest and dies away within some thicknesses; 0: as long as the others,
-  !> whose number a key gives [m].
+  !> Length of the cell at the clamped edge, where bending is largest and dies away within some thicknesses; 0: as long as the
+  !> others, whose number a key gives [m].
   pure real(dp) function clamped_cell(scene, thickness)
     type(scene_t), intent(in) :: scene      !< scene
     real(dp), intent(in) :: thickness       !< there [m]

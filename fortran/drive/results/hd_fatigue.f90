@@ -14,7 +14,7 @@ module hd_fatigue
   private
   public :: fatigue_t, cycle_weights, judge_fatigue, safety_of, write_fatigue
 
-  real(dp), parameter :: cycle_weights(2, 2) = reshape([0.5_dp, 0.5_dp, -0.5_dp, 0.5_dp], [2, 2])  !< mean, amplitude of two stresses
+  real(dp), parameter :: cycle_weights(2, 2) = reshape([0.5_dp, 0.5_dp, -0.5_dp, 0.5_dp], [2, 2])  !< mean, amplitude of two
   integer, parameter :: many_nodes = 20000  !< of a body, from which two threads are worth waking
 
   !> Nodes of the meridian at the load step with the least safety.

@@ -31,8 +31,8 @@ contains
     clearance = sum(widths(2:, i))/4
   end function mean_clearance
 
-  !> Mean radial clearance of the balls of a bearing [m]: its fit on the cam leaves none to all of the normal class. Both rings are as
-  !> thick.
+  !> Mean radial clearance of the balls of a bearing [m]: its fit on the cam leaves none to all of the normal class. Both rings are
+  !> as thick.
   pure real(dp) function mean_play(radius, ring, ball) result(play)
     real(dp), intent(in) :: radius, ring, ball  !< of the outside, thickness of a ring, diameter of a ball [m]
     play = plays(2, min(count(plays(1, :) < 2*(radius - 2*ring - ball)) + 1, size(plays, 2)))/4

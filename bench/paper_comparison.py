@@ -17,7 +17,8 @@ from hdengine import Involute, load, paper, tooth_gaps
 W = (0.195e-3, 0.2e-3, 0.205e-3, 0.21e-3, 0.215e-3)
 READINGS = {"eq45": "k_ts_nm_per_rad", "bonded": "k_ts_bonded_nm_per_rad"}
 COARSE = {"mesh.divisions": 48, "mesh.band_facets": 8, "load.assembly_steps": 1, "load.torque": 5, "load.torque_steps": 5, "load.tangent_steps": "all"}
-DRIVE = {"scene": "drive14", "loop.torques": 5, "joint.model": "hu2023", "joint.asperity_radius": 5e-6}
+DRIVE = {"scene": "drive14", "loop.torques": 5, "joint.model": "hu2023", "joint.asperity_radius": 5e-6, "joint.fractal_dimension": 2.5304,
+         "joint.roughness": 2.4248e-7, "joint.sample_length": 0.5e-3, "joint.shortest_wavelength": 1e-6}
 CUP = {"scene": "paper", "load.support": "hub", "wave_generator.ring_tangent": "auto"}
 FORMED = {**CUP, "wave_generator.shape": "as_formed", "load.torque_load": "teeth"}
 GROUPS = ("drive", "ring", "fine", "teeth", "rigid", "cup", "formed")   # how the names of premises begin

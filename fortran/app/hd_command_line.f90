@@ -97,11 +97,12 @@ contains
     end subroutine refuse_blank
 
     subroutine take_value(value)
-      character(len=:), allocatable, intent(out) :: value
+      character(len=:), allocatable, intent(inout) :: value
+      if (len(value) > 0) call raise(error, code_input, word//" is given twice: '"//value//"' and again; valid: once")
       i = i + 1
       value = ''
       if (i <= command_argument_count()) value = argument(i)
-      if (len(value) == 0) call raise(error, code_input, word//' needs a value; see hdengine.x --help')
+      if (len(value) == 0 .or. index(value, '--') == 1) call raise(error, code_input, word//' needs a value; see hdengine.x --help')
     end subroutine take_value
   end subroutine read_command_line
 

@@ -129,7 +129,7 @@ contains
     end associate
   end subroutine run_ends
 
-  !> Enter an input by derivatives, where they hold; it then has no runs.
+  !> Enter an input by derivatives, where they hold; it then has no runs. One that they move by a factor of e they do not hold for.
   subroutine enter_slopes(input, base, by, band)
     type(input_t), intent(inout) :: input          !< an input
     real(dp), intent(in) :: base(banded)           !< results of the drive as it is
@@ -142,6 +142,7 @@ contains
     if (k == 0) return
     associate (slope => by%value(k, :readings), value => base(:readings), change => input%change)
       if (size(change) == 0 .or. any(value > 0 .and. .not. slope == slope)) return
+      if (any(value > 0 .and. abs(slope)*maxval(abs(change)) > value)) return
       moved = 0
       do i = 1, size(change)
         where (value > 0) moved(:readings, i) = value*exp(slope*change(i)/value)

@@ -65,7 +65,7 @@ contains
     if (sums%theory%area > 0) call push(list, theory_text(scene, sums%theory))
     if (scene%hard() .and. scene%support%struts) then
       call push(list, 'contact law hard: the joint evens out no pressure, and K_TS alone has its compliance; of size 14 '// &
-        'contact.law = ''joint'' has K1, K2 and K3 10, 4 and 3 % lower, K_TS 8 % higher, half as large again at 3 N m')
+        'contact.law = ''joint'' has K1, K2 and K3 5, 2 and 1 % lower, K_TS 7 % higher, 17 % at 3 N m')
     else if (scene%hard()) then
       call push(list, 'contact law hard: the joint evens out no pressure; CD-14-100: tangent '// &
         'and secant K_TS within 5 % of those with contact.law = ''joint''')

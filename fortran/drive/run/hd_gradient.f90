@@ -474,7 +474,8 @@ contains
       if (size(list) == 0) return
       call drive_load(drive, assembly_at(scene, place), torque_at(scene, place), step_friction(scene, under_torque(scene, place)), &
         load, before)
-      problem%wheel_turns = scene%support%turns_bottom .and. under_torque(scene, place)
+      problem%wheel_turns = scene%support%turns_bottom .and. under_torque(scene, place) .and. &
+        any([(abs(torque_at(scene, self%station(j)%place)) > 0, j=1, i)])  ! in the play of the teeth it is left where it is
       call begin_adjoint(solver, size(list), problem, load, before, error)
       if (allocated(error)) return
       next = s

@@ -6,12 +6,13 @@ module hd_cam_table
   use hd_kinds, only: dp, pi, hair
   use hd_error, only: error_t, raise, code_input
   use hd_sorted, only: count_up_to
-  use hd_text, only: to_text, join, printable
+  use hd_text, only: to_text, join, printable, rounded
   implicit none
   private
   public :: cam_table_t, read_cam_table, radius_deviation
 
   integer, parameter :: fewest = 8  !< points of a table
+  integer, parameter :: widest = 4  !< way between two of them, over the mean of the others
 
   !> Deviation of the radius from its mean over the angle, periodic, with continuous curvature.
   type :: cam_table_t
@@ -33,6 +34,7 @@ contains
     type(error_t), allocatable, intent(out) :: error  !< no such file, faults with their line
     type(columns_t) :: columns
     character(len=:), allocatable :: fault, names
+    real(dp), allocatable :: way(:)
     real(dp) :: unit
     integer :: i
     call read_columns(path, columns, error)
@@ -62,9 +64,16 @@ contains
       end do
       if (size(theta) < fewest) then
         call raise(error, code_input, "'"//path//"': "//to_text(size(theta))//' points; valid: '//to_text(fewest)//' or more')
-      else
-        call new_cam_table(theta, radius, table)
+        return
       end if
+      way = [theta(2:), theta(1) + 2*pi] - theta
+      i = maxloc(way, 1)
+      if (way(i) > widest*(2*pi - way(i))/(size(theta) - 1)) then
+        call raise(error, code_input, columns%place(columns%lines(i))//'no point within '//rounded(way(i)*180/pi)// &
+          ' deg after this one; valid: points all round the cam, none further apart than '//to_text(widest)//' times the others')
+        return
+      end if
+      call new_cam_table(theta, radius, table)
     end associate
   end subroutine read_cam_table
 

@@ -153,7 +153,7 @@ contains
     call add_real(t, 'wave_generator', 'eccentricity_angle_deg', 'assembly', s%eccentricity_angle_deg, 'deg', -360._dp, 360._dp, &
       'direction of the shift, from the long axis', closed=.true.)
     call add_real(t, 'wave_generator', 'interference', 'assembly', s%interference, 'm', 0._dp, big, &
-      'radial interference of ring and flexspline', closed=.true.)
+      'radial interference of ring and flexspline; where it is given without clearance, the clearance is 0', closed=.true.)
     call tolerate(t, fit_width, 'fit', 'ISO 286 H7, ISO 492')
     call add_real(t, 'wave_generator', 'clearance', 'assembly', s%clearance, 'm', 0._dp, big, &
       'radial clearance of the bearing in the flexspline before it is bent. It and interference are one fit: where a file, or '// &

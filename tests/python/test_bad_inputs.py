@@ -336,6 +336,8 @@ def test_output_is_a_file(exe, tmp_path):
     (["a.nml", "b.nml"], "error: two input files: 'a.nml' and 'b.nml'; valid: one\n"),
     (["a.nml", "--out", ""], "error: --out needs a value; see hdengine.x --help\n"),
     (["--out"], "error: --out needs a value; see hdengine.x --help\n"),
+    (["a.nml", "--out", "--force"], "error: --out needs a value; see hdengine.x --help\n"),
+    (["a.nml", "--out", "b", "--out", "c"], "error: --out is given twice: 'b' and again; valid: once\n"),
     (["--explain", "frcition"], None),
 ])
 def test_usage(exe, args, expected):

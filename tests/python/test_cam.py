@@ -143,7 +143,8 @@ HEAD = "theta_deg,radius_m\n0,0.0165\n"
                                          (HEAD, "1 points; valid: 8 or more"), (HEAD + "50,/\n", "line 3: column radius_m: '/'"),
                                          (HEAD + "5,0.0165,7\n", "line 3: 3 cells"), (HEAD + "5,1+13\n", "'1+13'; valid: a number"),
                                          (HEAD + f"5,0.0165{' ' * 300}1\n", "column radius_m: '0.0165 "),
-                                         (HEAD + "5,2*0.0165\n", "'2*0.0165'"), (HEAD + "5,0.0165;\n", "'0.0165;'"), (HEAD + "5,\33[2J\n", "'?[2J'")])
+                                         (HEAD + "5,2*0.0165\n", "'2*0.0165'"), (HEAD + "5,0.0165;\n", "'0.0165;'"), (HEAD + "5,\33[2J\n", "'?[2J'"),
+                                         (HEAD + "".join(f"{t},0.0165\n" for t in range(5, 180, 5)), "line 37: no point within 185.0 deg after this one")])
 def test_bad_tables_are_named(tmp_path, text, words):
     """A fault of a measured table is named with file, line and what is valid."""
     path = tmp_path / "bad.csv"

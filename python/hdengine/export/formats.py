@@ -13,9 +13,11 @@ FAR = 10.0  # rad: no joint of a drive twists so far
 def head_of(law: JointLaw) -> list[str]:
     """What every format says before its numbers: title, readings, what the law is."""
     readings = ", ".join(f"{name} = {value:.6g}" for name, value in law.readings.items())
-    curve = "middle of the loop" if (law.falling_rad != law.rising_rad).any() else "first rise, for want of a loop"
+    loop = bool((law.falling_rad != law.rising_rad).any())
+    curve = "middle of the loop" if loop else "first rise, for want of a loop"
     return [f"{law.title}: torque over the twist of the output, {curve}, by hdengine",
-            readings, f"friction beside it, half of the loop's width: {law.friction_nm:.4g} N m"]
+            "K1 to K3 are chords of the rise, not of this middle: " * loop + readings,
+            f"friction beside it, half of the loop's width: {law.friction_nm:.4g} N m"]
 
 
 def to_csv(law: JointLaw) -> str:
@@ -40,13 +42,15 @@ def to_mujoco(law: JointLaw) -> str:
     return f"""<mujoco model="harmonic drive">
 <!--
 {comment}
-  Copy joint and tendons into your model; frictionloss="{law.friction_nm:.4g}" on the joint gives the loop its width.
+  Copy joint and tendons into your model; frictionloss="{law.friction_nm:.4g}" on the joint gives a slow loop its width. By
+  solreffriction and solimpfriction it holds at rest: those of MuJoCo let it creep to 0 within 0.5 s.
   The body is there so that the file loads: put your link in its place. Its damping is chosen, not computed.
 -->
   <option timestep="1e-4" gravity="0 0 0"/>
   <worldbody>
     <body name="link">
-      <joint name="drive" type="hinge" axis="0 0 1" stiffness="{slope[middle]:.9g}" damping="10"/>
+      <joint name="drive" type="hinge" axis="0 0 1" stiffness="{slope[middle]:.9g}" damping="10"
+             solreffriction="2e-4 1" solimpfriction="0.9999 0.9999 0.001"/>
       <inertial pos="0 0 0" mass="1" diaginertia="0.05 0.05 0.05"/>
     </body>
   </worldbody>

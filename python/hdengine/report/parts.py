@@ -234,7 +234,7 @@ def _model_error(summary):
     return f"{text}<p>No mesh mends what the model leaves out:</p><ul>{lines}</ul>"
 
 
-def _band_of(result, k):
+def _band_of(result):
     """What is known of the error of K_TS [N m/rad], as text."""
     known = []
     if "k_ts_bonded_nm_per_rad" in result.limits:
@@ -246,8 +246,9 @@ def _band_of(result, k):
     if found := _found(result):
         name, bands = ("the tangent", found["tangent"]["bands_95_nm_per_rad"]) if "tangent" in found else \
             ("K_TS by Eq. 45", found["bands_95_nm_per_rad"])
-        low, _, high = max(bands.values(), key=lambda b: b[2] - b[0], default=(k, k, k))
-        known.append(f"By the inputs 95 % of {name} lie from {_engineering(low)} to {_engineering(high)}.")
+        if bands:
+            low, _, high = max(bands.values(), key=lambda b: b[2] - b[0])
+            known.append(f"By the inputs 95 % of {name} lie from {_engineering(low)} to {_engineering(high)}.")
     else:
         known.append("The error of the inputs is not known: <code>hdengine sensitivity</code> varies them.")
     return "Band: " + " ".join(known)
@@ -369,7 +370,7 @@ def _answer(result):
     arcsec, what = 180 * 3600 / np.pi / k, "cup against its teeth" if result.against_teeth else "contact"
     text = f'<p>{name} at {torque:.4g} N m</p><p class="value">{_engineering(k)}</p>' \
         f"<p>One more newton metre turns the {what} by {arcsec:.3g} arcsec ({1e6 / k:.3g} µrad).</p>"
-    return text if result.against_teeth else text + f"<p>{_band_of(result, k)}</p>"
+    return text if result.against_teeth else text + f"<p>{_band_of(result)}</p>"
 
 
 def _on_demand(result, picture, animation):

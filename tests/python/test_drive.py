@@ -558,7 +558,7 @@ def test_many_balls_become_an_even_spring(exe, tmp_path):
 
 def shipped(exe, folder, name, *keys):
     """K1, K2, K3 [N m/rad] and results of a shipped drive on a coarse mesh."""
-    r = solved(exe, folder, ROOT / f"data/{name}.nml", "mesh.divisions=48", "mesh.band_facets=6", "load.torque_steps=2",
+    r = solved(exe, folder, ROOT / f"data/{name}.nml", "mesh.divisions=48", "mesh.band_facets=6", "load.torque_steps=4",
                "run.band=.false.", *keys).summary["results"]
     assert min(r["flexspline_yield_safety"], r["ring_yield_safety"]) > 1, (name, r["flexspline_yield_safety"], r["ring_yield_safety"])
     return np.array([r[f"k{i}_nm_per_rad"] for i in (1, 2, 3)]), r

@@ -239,7 +239,7 @@ def forget() -> None:
 def given_keys(assignments: list[str]) -> dict:
     """Keys of a command line, 'group.key=value' each."""
     for item in assignments:
-        if "=" not in item:
+        if "." not in item.partition("=")[0] or "=" not in item:
             raise _engine.InputError(f"'{item}' is no assignment; write group.key=value, as load.torque=3")
     return dict(item.split("=", 1) for item in assignments)
 

@@ -324,7 +324,8 @@ def test_plan_of_run_and_wrong_words(capsys, tmp_path, monkeypatch):
     scene = str(ROOT / "data/cd14.nml")
     assert cli.main(["run", scene, "mesh.divisions=24", "mesh.band_facets=4", "run.tolerance=0.3", "--plan"]) == 0
     assert "tolerance" in capsys.readouterr().out and not list(tmp_path.iterdir())
-    assert cli.main(["run", scene, "torque"]) == 2 and "group.key=value" in capsys.readouterr().err
+    for words in (["run", scene, "torque"], ["run", scene, "torque=3"], ["new", "20", "torque=3"]):
+        assert cli.main(words) == 2 and "group.key=value" in capsys.readouterr().err
     with pytest.raises(SystemExit):
         cli.main(["study", scene, "--jobs", "none"])
     assert "'none' must be a whole number of 1 or more" in capsys.readouterr().err

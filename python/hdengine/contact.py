@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from . import _engine
 from ._check import array, checked, flag
+from ._check import folder as a_folder
 from ._check import path as a_path
 from ._types import PathLike, Value
 from .files import writing
@@ -341,6 +342,7 @@ def follow(show: bool | None = None) -> Iterator[Callable[[int], None]]:
         yield expect
 
 
+@checked(out=a_folder)
 def run(path: PathLike | None = "", out: PathLike = "run.out", force: bool = False, resume: bool = False,
         show: bool | None = None, allow_implausible: bool = False, **keys: Unpack[SceneKeys]) -> Result:
     """Run a scene to its end and return its Result.

@@ -15,7 +15,7 @@ import numpy as np
 
 from . import _engine, torsion
 from ._check import checked, flag, integer, integers, package, seen
-from ._check import path as a_path
+from ._check import folder as a_folder
 from ._check import text as a_text
 from ._engine import InputError, NotConvergedError
 from ._types import PathLike
@@ -114,7 +114,7 @@ class Result:
 
     _reporter: ClassVar[Callable[..., Path]]  # hdengine.report, which stands above; the package sets it
 
-    @checked(folder=a_path)
+    @checked(folder=a_folder)
     def __init__(self, folder: PathLike) -> None:
         self.folder = Path(folder).absolute()  # a program may go elsewhere
         self.summary = read_summary(folder, "title", "status", "scene", "results", "model", "joint", "warnings")

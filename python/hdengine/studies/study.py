@@ -21,6 +21,7 @@ import numpy as np
 
 from .. import _engine, torsion
 from .._check import MOST_BYTES, alike, checked, fields, flag, input_file, integer, mapping, number, package, text
+from .._check import folder as a_folder
 from .._check import path as a_path
 from .._engine import FileError, FolderLock, HdengineError, InputError
 from .._types import PathLike, Value
@@ -237,7 +238,7 @@ class Study:
                     first = error
         raise first
 
-    @checked(out=a_path, jobs=integer(1, 4096), force=flag, retry=flag, show=flag, other_version=flag)
+    @checked(out=a_folder, jobs=integer(1, 4096), force=flag, retry=flag, show=flag, other_version=flag)
     def run(self, out: PathLike, jobs: int = 1, force: bool = False, retry: bool = False,
             show: bool = True, other_version: bool = False) -> StudyResult:
         """Solve all points that the table in `out` does not hold yet.
@@ -482,7 +483,7 @@ class StudyResult:
         converged state.
     """
 
-    @checked(folder=a_path)
+    @checked(folder=a_folder)
     def __init__(self, folder: PathLike, rows: list | None = None) -> None:
         self.folder = Path(folder)
         self.summary = read_study_summary(self.folder)

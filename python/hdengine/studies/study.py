@@ -26,7 +26,7 @@ from .._check import path as a_path
 from .._engine import FileError, FolderLock, HdengineError, InputError
 from .._types import PathLike, Value
 from ..contact import read_scene
-from ..files import json_text, read_json, write_files, writing
+from ..files import check_folder, json_text, read_json, write_files, writing
 from ..results import preformatted
 from ..views.labels import LOOP, SHOWN
 from .progress import Progress
@@ -34,6 +34,7 @@ from .progress import Progress
 __all__ = ["Study", "StudyResult"]
 ROWS = ("torque", "last", "all")
 FIGURES = ("series", "catalogue")
+FILES = ("study.csv", "study.json", "study.png")
 NO_TEXTS: dict[str, tuple[Any, str]] = {"torque": ((int, float), "numbers"), "relative": (object, "")}   # of a figure
 MOST_POINTS = 10**6
 CLEARANCE = "load.tooth_clearance"
@@ -280,6 +281,7 @@ class Study:
         with writing(out):
             out.absolute().parent.mkdir(parents=True, exist_ok=True)
         with FolderLock(out):
+            check_free(out, force)
             rows, versions = ({}, []) if force else self._earlier(out, identity, retry, other_version)
             versions = [v for v in versions if v != _engine.version()] + [_engine.version()]
             points = self.points
@@ -361,6 +363,12 @@ class Study:
             summary = json.loads(json_text(summary))
             yield json_text(summary | {"checksum": _checksum(summary)}).encode()
         write_files({out / "study.csv": table(), out / "study.json": description()})
+
+
+def check_free(out: Path, force: bool = False) -> None:
+    """Raise FileError where a folder holds what another command wrote, or, without `force`, files of a study and no study."""
+    begun = any((out / name).exists() for name in ("study.json", "study.json.part"))
+    check_folder(out, FILES, force or begun)
 
 
 def columns_of(summary: dict) -> list | None:

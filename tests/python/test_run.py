@@ -431,7 +431,7 @@ def test_a_result_is_of_its_own_run(exe, tmp_path, monkeypatch):
     kept = first.contact_at(-1)["pressure_pa"].copy()
     solve_small(exe, tmp_path / "a.out", "load.torque_steps=1", "contact.friction=0.3", "--force")
     np.testing.assert_array_equal(first.contact_at(-1)["pressure_pa"], kept)
-    for ask in (lambda: first.contact, first.gradient, lambda: first.frame("contact")):
+    for ask in (lambda: first.contact, first.gradient, first.report, lambda: first.frame("contact")):
         with pytest.raises(hdengine.FileError, match="holds another run by now"):
             ask()
 

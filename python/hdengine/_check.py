@@ -206,6 +206,13 @@ def path(name, value):
     return _fail(name, value, "a path: a text or a pathlib.Path, names of up to 255 bytes, no blank at its end")
 
 
+def folder(name, value):
+    """A rule: the path of a folder; '' is none."""
+    if isinstance(value, str) and not value:
+        _fail(name, value, "the path of a folder, as 'run.out'; '.' is the current one")
+    return path(name, value)
+
+
 def input_file(path, most=None):
     """The path of a file to read, as `pathlib.Path`; pipes and devices, which may have no end, are refused before they are opened.
 

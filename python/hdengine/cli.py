@@ -26,7 +26,7 @@ from .files import check_file, check_folder
 from .prediction import command as joint_command
 from .results import Result
 from .studies import planner
-from .summary_file import read_summary
+from .summary_file import check_one, read_summary
 from .surfaces.command import add_options, run_surface
 from .surfaces.run import SurfaceResult
 from .surfaces.run import _run as _run_surface_alone
@@ -161,6 +161,7 @@ def _finish(folder, result=None):
 def _plot(args):
     folder = Path(args.folder)
     result: Any
+    check_one(folder)
     if (folder / "study.json").is_file():
         from .figures.study import plot_study
         from .studies.study import StudyResult, columns_of, read_rows, read_study_summary

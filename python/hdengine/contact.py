@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from . import _engine
 from ._check import array, checked, flag
+from ._check import folder as a_folder
 from ._check import path as a_path
 from ._types import PathLike, Value
 from .files import writing
@@ -239,7 +240,7 @@ def forget() -> None:
 def given_keys(assignments: list[str]) -> dict:
     """Keys of a command line, 'group.key=value' each."""
     for item in assignments:
-        if "=" not in item:
+        if "." not in item.partition("=")[0] or "=" not in item:
             raise _engine.InputError(f"'{item}' is no assignment; write group.key=value, as load.torque=3")
     return dict(item.split("=", 1) for item in assignments)
 
@@ -341,6 +342,7 @@ def follow(show: bool | None = None) -> Iterator[Callable[[int], None]]:
         yield expect
 
 
+@checked(out=a_folder)
 def run(path: PathLike | None = "", out: PathLike = "run.out", force: bool = False, resume: bool = False,
         show: bool | None = None, allow_implausible: bool = False, **keys: Unpack[SceneKeys]) -> Result:
     """Run a scene to its end and return its Result.

@@ -175,6 +175,8 @@ def as_built(size: int, ratio: int = 100, hat: bool = False, **keys: Value) -> d
         wall = read_scene("", geometry__wall_thickness=given["geometry"]["wall_thickness"])["geometry.wall_thickness"]
         groups["geometry"]["rim_thickness"] = RIM * wall
     scene = read_scene("", **cast("SceneKeys", groups))
+    if not _engine.supported(scene, "loop"):
+        raise InputError(f"load.support = '{scene['load.support']}': must be 'drive', as this is a whole drive")
     if scene["load.teeth"] != 2 * ratio:
         raise InputError(f"load.teeth = {scene['load.teeth']} with ratio = {ratio}: must be twice that; give the ratio alone")
     if not groups["load"].keys() & {"tooth_gaps", "tooth_clearance"}:

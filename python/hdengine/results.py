@@ -15,14 +15,14 @@ import numpy as np
 
 from . import _engine, torsion
 from ._check import checked, flag, integer, integers, package, seen
-from ._check import path as a_path
+from ._check import folder as a_folder
 from ._check import text as a_text
-from ._engine import InputError, NotConvergedError
+from ._engine import FileError, InputError, NotConvergedError
 from ._types import PathLike
 from .elastic import ElasticJoint, joint_of_scene
 from .files import write_files
 from .joint import Joint
-from .summary_file import check_inputs, check_same_run, read_summary, written
+from .summary_file import check_inputs, check_same_run, echo_of, has_table, read_summary, written
 from .table_file import read_csv
 from .views.labels import LOOP
 
@@ -114,7 +114,7 @@ class Result:
 
     _reporter: ClassVar[Callable[..., Path]]  # hdengine.report, which stands above; the package sets it
 
-    @checked(folder=a_path)
+    @checked(folder=a_folder)
     def __init__(self, folder: PathLike) -> None:
         self.folder = Path(folder).absolute()  # a program may go elsewhere
         self.summary = read_summary(folder, "title", "status", "scene", "results", "model", "joint", "warnings")
@@ -134,6 +134,9 @@ class Result:
         """A table of the run, which is as the run left it; nothing writes into it."""
         path = self.folder / f"{name}.csv"
         check_same_run(self.folder, self.summary)
+        if not has_table(self.summary, name):
+            own = ", ".join(file[:-4] for file in self.summary["checksums"] if file.endswith(".csv"))
+            raise FileError(f"'{self.folder}' has no {name}.csv: a run of its keys writes none; valid: {own}")
         if name not in self._whole:
             written(self.folder, path.name, self.summary)
             self._whole.add(name)
@@ -214,7 +217,7 @@ class Result:
     @property
     def balls(self) -> np.ndarray | None:
         """Force, share and closing of every ball and step (balls.csv), a structured array; None without balls."""
-        return self._table("balls") if (self.folder / "balls.csv").exists() else None
+        return self._table("balls") if has_table(self.summary, "balls") else None
 
     @property
     def fatigue(self) -> np.ndarray:
@@ -224,7 +227,7 @@ class Result:
     @property
     def turning(self) -> np.ndarray | None:
         """Turn and stiffness at each place of the wave generator (turning.csv), a structured array; None where it stands."""
-        return self._table("turning") if (self.folder / "turning.csv").exists() else None
+        return self._table("turning") if has_table(self.summary, "turning") else None
 
     @property
     def torque_nm(self) -> np.ndarray:
@@ -333,7 +336,7 @@ class Result:
                  ("torque / N m", found.get("reference_torque_nm", self.torque_nm[-1]))]
         cells = "".join(f"<tr><td>{html.escape(name)}</td><td>{value:.4g}</td></tr>" for name, value in rows)
         picture, buffer = "", io.BytesIO()
-        if _engine.supported(self.scene, "loop") and (self.folder / "loop.csv").exists():
+        if _engine.supported(self.scene, "loop") and has_table(self.summary, "loop"):
             from .figures.drive import plot_loop
 
             plot_loop(self).savefig(buffer, format="png", dpi=70)
@@ -390,6 +393,7 @@ class Result:
         **options
             picture, animation: of `hdengine.report.write_report`.
         """
+        check_same_run(self.folder, self.summary)
         return Result._reporter(self.folder, path, **options)
 
     @property
@@ -424,15 +428,16 @@ class Result:
         InputError
             Large displacements, the teeth alone, `load.tooth_friction`, or `loop.history` 'turned'.
         FileError
-            The folder holds another run by now, or a table that a key names has changed.
+            The folder holds another run by now, or echo.nml or a table that a key names has changed.
         NotConvergedError
             The equations behind the derivatives could not be solved.
         """
         if "gradient" not in self.summary:
             check_same_run(self.folder, self.summary)
             check_inputs(self.summary)
+            echo = echo_of(self.folder, self.summary)
             with tempfile.TemporaryDirectory() as folder:
-                handle = _engine.call("run_open", str(self.folder / "echo.nml"), _GRADIENT, f"{folder}/r", 1, 0, 1)
+                handle = _engine.call("run_open", str(echo), _GRADIENT, f"{folder}/r", 1, 0, 1)
                 try:
                     while not _engine.call("run_advance", handle):
                         pass

@@ -2,10 +2,11 @@
 """summary.json of a run, and the files whose checksums it holds."""
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 from ._check import input_file
-from ._engine import FileError, checksum
+from ._engine import FileError, InputError, call_text, checksum
 from ._types import PathLike
 from .files import read_json
 
@@ -44,6 +45,35 @@ def check_same_run(folder: PathLike, summary: dict) -> None:
         raise FileError(f"'{folder}' holds another run by now: give every run a folder of its own, or hdengine.load it anew")
 
 
+def check_one(folder: PathLike) -> None:
+    """Raise FileError where a folder holds a run and a study: neither says which of them is meant."""
+    if all((Path(folder) / name).is_file() for name in ("summary.json", "study.json")):
+        raise FileError(f"'{folder}' holds both a run (summary.json) and a study (study.json): give each a folder of its own")
+
+
+def has_table(summary: dict, name: str) -> bool:
+    """Whether a run wrote a table, whatever became of it since."""
+    return f"{name}.csv" in summary["checksums"]
+
+
+def echo_of(folder: PathLike, summary: dict) -> Path:
+    """echo.nml of a run.
+
+    Raises
+    ------
+    FileError
+        It is absent, or its scene is not that of the summary.
+    """
+    path = input_file(Path(folder) / "echo.nml")
+    try:
+        scene = json.loads(call_text("scene_text", str(path), " ", 0))["scene"]
+    except InputError:
+        scene = None
+    if scene != summary["scene"]:
+        raise _changed(path, "its scene is not that of summary.json")
+    return path
+
+
 def check_inputs(summary: dict) -> None:
     """Raise FileError where a table that a key names is not as the run read it."""
     for key, kept in summary.get("input_files", {}).items():
@@ -51,8 +81,8 @@ def check_inputs(summary: dict) -> None:
             raise FileError(f"'{summary['scene'][key]}' ({key}) is not as the run read it: run it again")
 
 
-def _changed(path):
-    return FileError(f"'{path}' is not as the run left it (its checksum differs): run it again")
+def _changed(path, why="its checksum differs"):
+    return FileError(f"'{path}' is not as the run left it ({why}): run it again")
 
 
 def read_summary(folder: PathLike, *needed: str) -> dict:

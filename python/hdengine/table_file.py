@@ -82,6 +82,8 @@ def text_rows(path: PathLike, comment: str = "") -> tuple[list, list]:
     names = _names(",".join(rows[0][1]), path)
     for line, cells in rows[1:]:
         if len(cells) != len(names):
+            if any(";" in cell for cell in cells):
+                raise InputError(f"'{path}', line {line}: decimal commas or semicolons; valid: points, and commas between cells")
             raise InputError(f"'{path}', line {line}: {len(cells)} cells; valid: {len(names)}, as the line of names")
     return names, rows[1:]
 

@@ -22,7 +22,7 @@ from .files import check_file, json_text, write_files, writing
 from .results import Result, facet_stiffness
 from .studies.progress import Progress
 from .studies.study import Study, StudyResult
-from .summary_file import check_inputs
+from .summary_file import check_inputs, echo_of
 
 __all__ = ["ContactField", "analyse"]
 # key: (low, high, why)
@@ -481,7 +481,8 @@ def analyse(folder: PathLike, drive: bool = False, draws: int = 500, sobol: int 
         figures["tornado_joint.png"] = plot_tornado(field.k_ts(), found["joint"], of_joint, "Joint, contact field kept")
     if drive or (result.folder / "drive.out/study.json").is_file():
         ranges |= table_ranges(result.scene, result.folder / "tables")
-        study = one_at_a_time(result.folder / "echo.nml", ranges).run(result.folder / "drive.out", force=force, show=show)
+        scene = echo_of(result.folder, result.summary)
+        study = one_at_a_time(scene, ranges).run(result.folder / "drive.out", force=force, show=show)
         base, every = drive_tornado(study, ranges)
         curves = None if whole else {k: curve for k, curve in drive_curves(study, ranges).items() if k != "joint.table_file"}
         figures["tornado_drive.png"] = plot_tornado(base, every, ranges, "Drive, contact solved anew, Eq. 45")

@@ -85,11 +85,15 @@ def test_completion_completes(tmp_path):
 
 
 def test_tables_for_pandas_and_xarray(small_run):
-    """A run's steps are a frame, its contact fields a dataset with torque, angle and place along the band."""
+    """A run's steps are a frame, its contact fields a dataset with torque, angle and place along the band; a table that it has not is named, with
+    those that it has."""
     pytest.importorskip("pandas"), pytest.importorskip("xarray")
     result = hdengine.load(small_run)
     frame, data = result.frame(), result.dataset()
     assert frame["k_ts_nm_per_rad"].iloc[-1] == pytest.approx(result.torsional_stiffness()[0][-1])
+    for ask in (lambda: result.frame("loop"), lambda: result.fatigue):
+        with pytest.raises(hdengine.FileError, match="has no (loop|fatigue)[.]csv.* valid: steps, history, contact"):
+            ask()
     assert data["pressure_pa"].dims == ("step", "theta_rad", "band_z_m")
     assert all(v.attrs["units"] and v.attrs["long_name"] for v in data.data_vars.values())
     assert float(abs(data["z_m"][-1].mean("theta_rad") - data["band_z_m"] - result.scene["geometry.band_start"]).max()) < 1e-4
@@ -324,7 +328,8 @@ def test_plan_of_run_and_wrong_words(capsys, tmp_path, monkeypatch):
     scene = str(ROOT / "data/cd14.nml")
     assert cli.main(["run", scene, "mesh.divisions=24", "mesh.band_facets=4", "run.tolerance=0.3", "--plan"]) == 0
     assert "tolerance" in capsys.readouterr().out and not list(tmp_path.iterdir())
-    assert cli.main(["run", scene, "torque"]) == 2 and "group.key=value" in capsys.readouterr().err
+    for words in (["run", scene, "torque"], ["run", scene, "torque=3"], ["new", "20", "torque=3"]):
+        assert cli.main(words) == 2 and "group.key=value" in capsys.readouterr().err
     with pytest.raises(SystemExit):
         cli.main(["study", scene, "--jobs", "none"])
     assert "'none' must be a whole number of 1 or more" in capsys.readouterr().err

@@ -689,6 +689,7 @@ def test_what_is_known_of_a_drive_takes_its_place():
     assert hdengine.as_built(20, 80, mesh=mesh, load={"tooth_clearance": 1e-5})["load"].keys() & {"tooth_gaps", "tooth_gaps_back"} == set()
     for args, keys, what in (((21,), {}, "size = 21: must be one of 11, 14"), ((20, 29), {}, "ratio"), ((20,), {"mesh": {"division": 3}}, "mesh.division"),
                              ((20,), {"wave_generator__w": -1}, "wave_generator.w"),
+                             ((20,), {"load": {"support": "hub"}}, "load.support = 'hub': must be 'drive'"),
                              ((20,), {"load.teeth": 300}, "load.teeth = 300 with ratio = 100")):
         with pytest.raises(hdengine.InputError, match=what):
             hdengine.as_built(*args, **keys)

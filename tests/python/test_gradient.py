@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Derivatives of the results by the keys of the scene (run.gradient, Result.gradient)."""
 import json
+import re
+import shutil
 import signal
 import subprocess
 
@@ -51,6 +53,16 @@ def test_gradient_is_that_of_central_differences(tmp_path, scene, keys, names, m
             scale = abs(value / results[name])
             most = 2e-5 if key == "geometry.band_length" else 1e-5
             assert abs(gradient[name][key] - other[name]) * scale < most * max(1, abs(other[name]) * scale), (key, name)
+
+
+def test_a_changed_echo_has_no_gradient(small_run, tmp_path):
+    """A run is not solved again from an echo.nml whose scene is another than its summary's, or that is none."""
+    echo = shutil.copytree(small_run, tmp_path / "r") / "echo.nml"
+    for text in (re.sub(r"(?m)^( *torque *=).*$", r"\1 3.0", echo.read_text()), "&x\n"):
+        assert text != echo.read_text()
+        echo.write_text(text)
+        with pytest.raises(hdengine.FileError, match=r"echo\.nml' is not as the run left it"):
+            hdengine.load(tmp_path / "r").gradient()
 
 
 def test_a_signal_during_the_gradient_is_said(exe, tmp_path):

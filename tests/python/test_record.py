@@ -190,13 +190,16 @@ def test_torques_of_no_such_size_are_refused():
 
 
 def test_tables_that_say_something_else_are_refused(tmp_path):
-    """A table without rows, with the angle twice, or whose angle stays or falls as the torque rises is refused with the reason; a byte order mark
-    before the first name is none of it."""
+    """A table with decimal commas, without rows, with the angle twice, or whose angle stays or falls as the torque rises is refused with the
+    reason; a byte order mark before the first name is none of it."""
     turn = np.concatenate([np.linspace(0, 5, 20), np.linspace(5, -5, 40), np.linspace(-5, 5, 40)])
     for name, head, angles, says in (("empty", "torque_nm,angle_rad", [], "no reading"), ("twice", "torque_nm,angle_rad,angle_arcsec", [turn, turn], "angle_rad and angle_arcsec"),
                                      ("stays", "torque_nm,angle_rad", [0 * turn], "does not rise"), ("falls", "torque_nm,angle_rad", [-turn], "does not rise")):
         np.savetxt(tmp_path / name, np.c_[(turn, *angles)] if angles else np.empty((0, 2)), delimiter=",", header=head, comments="")
         with pytest.raises(hdengine.InputError, match=says):
             Record.read(tmp_path / name)
+    (tmp_path / "decimal").write_text("torque_nm;angle_rad\n0,021;0,36\n")
+    with pytest.raises(hdengine.InputError, match="line 2: decimal commas or semicolons; valid: points"):
+        Record.read(tmp_path / "decimal")
     np.savetxt(tmp_path / "mark", np.c_[turn, turn / 5e3], delimiter=",", header="\ufefftorque_nm,angle_rad", comments="", encoding="utf-8")
     assert Record.read(tmp_path / "mark").torque_nm.max() == 5

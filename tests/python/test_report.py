@@ -196,6 +196,15 @@ def test_report_of_a_drive_opens_with_its_slopes(drive):
         assert f">{part}</text>" in head and f">{100 * found['twist_shares'][part]:.2g} %</text>" in head, i
 
 
+@pytest.mark.parametrize("name", ["loop", "fatigue", "balls"])
+def test_a_lost_table_is_an_error(drive, tmp_path, capsys, name):
+    """A table of a drive that its run wrote and that is gone ends plot and report with its name; no figure is left out."""
+    folder = shutil.copytree(drive[0].folder, tmp_path / "r")
+    (folder / f"{name}.csv").unlink()
+    for command in ("plot", "report"):
+        assert main([command, str(folder)]) == 3 and f"{name}.csv' cannot be read" in capsys.readouterr().err
+
+
 def test_the_band_of_the_catalogue_is_as_wide_as_its_name_says(drive):
     """In the report and in the figure the shaded band reaches, at every torque, from the angle of a drive stiffer than the catalogue's by the
     percentage of its label to that of one softer by it."""

@@ -75,13 +75,17 @@ def test_results_land_where_the_run_starts(exe, tmp_path, name, folder):
 
 
 def test_paths_end_with_no_blank(exe, small_run, tmp_path, monkeypatch):
-    """A path that ends with a blank is refused: the engine would take the file or folder without it."""
+    """A path that ends with a blank is refused: the engine would take the file or folder without it. An empty one is no folder of results."""
     before = (small_run / "summary.json").read_bytes()
     for words in ([f"{CD14} "], [CD14, "--out", f"{small_run} ", "--force"]):
         done = call(exe, *words, cwd=tmp_path)
         assert done.returncode == 2 and "ends with a blank" in done.stderr
     with pytest.raises(hdengine.InputError, match="no blank at its end"):
         hdengine.run(CD14, f"{small_run} ", force=True)
+    monkeypatch.chdir(tmp_path)
+    for act in (lambda: hdengine.run(CD14, "", force=True), lambda: hdengine.load(""), lambda: hdengine.Study().run("")):
+        with pytest.raises(hdengine.InputError, match="= '': must be the path of a folder"):
+            act()
     assert before == (small_run / "summary.json").read_bytes() and not list(tmp_path.iterdir())
 
 
@@ -427,7 +431,7 @@ def test_a_result_is_of_its_own_run(exe, tmp_path, monkeypatch):
     kept = first.contact_at(-1)["pressure_pa"].copy()
     solve_small(exe, tmp_path / "a.out", "load.torque_steps=1", "contact.friction=0.3", "--force")
     np.testing.assert_array_equal(first.contact_at(-1)["pressure_pa"], kept)
-    for ask in (lambda: first.contact, first.gradient, lambda: first.frame("contact")):
+    for ask in (lambda: first.contact, first.gradient, first.report, lambda: first.frame("contact")):
         with pytest.raises(hdengine.FileError, match="holds another run by now"):
             ask()
 

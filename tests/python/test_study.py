@@ -21,7 +21,7 @@ from hdengine.cli import main
 from hdengine.figures.study import axes_of, draw, plot_study
 from hdengine.figures.style import new_axes
 from hdengine.report import write_report
-from hdengine.studies import progress, workers
+from hdengine.studies import progress, shard, workers
 from hdengine.studies import study as study_module
 from hdengine.studies.study import Study, StudyResult
 
@@ -185,6 +185,32 @@ def test_another_study_is_not_overwritten(tmp_path):
     with pytest.raises(hdengine.FileError, match="another study"):
         other.run(tmp_path / "c", show=False)
     assert len(other.run(tmp_path / "c", force=True, show=False).rows) == 2
+
+
+def test_what_a_study_did_not_write_stays(tmp_path):
+    """A table or figure of somebody else, or of a study whose description is gone, is replaced with force alone, and what another command wrote
+    never; a folder with a run and a study is neither plotted nor reported."""
+    study = Study(fixed=SMALL | {"load.torque": 1.0})
+    for name in ("study.csv", "study.png"):
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / name).write_text("mine\n")
+        shard.run_shard(study, folder, 1, 1, show=False)
+        for write in (study.run, shard.collect.__get__(study)):
+            with pytest.raises(hdengine.FileError, match=f"holds {name} already: add --force"):
+                write(folder)
+        assert {p.name for p in folder.iterdir()} == {name, "part-1.jsonl"} and (folder / name).read_text() == "mine\n"
+    study.run(tmp_path / "study.csv", force=True, show=False)
+    (tmp_path / "study.csv/study.json").unlink()
+    with pytest.raises(hdengine.FileError, match=r"holds study\.csv already"):
+        study.run(tmp_path / "study.csv", show=False)
+    study.run(tmp_path / "study.csv", force=True, show=False)
+    (tmp_path / "study.csv/summary.json").write_text("{}")
+    for write in (lambda f: study.run(f, force=True, show=False), lambda f: shard.run_shard(study, f, 1, 1, force=True, show=False)):
+        with pytest.raises(hdengine.FileError, match=r"holds summary\.json of another command"):
+            write(tmp_path / "study.csv")
+    for command in ("plot", "report"):
+        assert main([command, str(tmp_path / "study.csv")]) == 3
 
 
 def kill_worker_at_work():

@@ -184,6 +184,12 @@ def test_lines_are_a_scene(involute, tmp_path):
     np.testing.assert_allclose(keys["load.tooth_gaps"], involute.table["gap_m"][:20], rtol=1e-3)
 
 
+def test_lists_of_the_scene_itself_do_not_count():
+    """Clearances that a scene holds for its pairs bind neither their number nor what is computed."""
+    few = tooth_gaps(Involute(M, x2=1.8), ROOT / "data/drive14.nml", points=20, load={"tooth_pairs": 2, "tooth_gaps": [1e-6] * 5})
+    assert len(few.table["gap_m"]) == 2
+
+
 BAD = (
     (lambda: Involute(-1.0), "module = -1.0: must be a finite number above 0"),
     (lambda: Involute(M, 50.0), "pressure_angle_deg = 50.0: must be a finite number above 5 and up to 40"),

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from .. import _engine
 from .._types import PathLike
 from ..files import write_files
+from ..summary_file import has_table
 from ..views.palette import PRESSURE, SIGNED
 from ..views.run import colour_top, is_assembled, is_drive, pair_shares, positions_of, rest_of
 from .drive import plot_contact, plot_fatigue, plot_loads, plot_loop, plot_turning, plot_twist
@@ -46,7 +47,7 @@ def plot_run(result: Result, debug: bool = False) -> list:
     drive, assembled = is_drive(result), is_assembled(result)
     if drive:
         figures |= {"loop.png": plot_loop, "twist.png": plot_twist, "contact.png": plot_contact, "loads.png": plot_loads}
-        if (result.folder / "fatigue.csv").exists():
+        if has_table(result.summary, "fatigue"):
             figures["fatigue.png"] = plot_fatigue
         if result.turning is not None and len(result.turning) > 1:
             figures["turning.png"] = plot_turning

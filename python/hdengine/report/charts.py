@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..results import Result
+from ..summary_file import has_table
 from ..views import run as views
 from ..views.palette import COLOURS, PARTS, REFERENCE
 from .chart import Chart, bars, polar
@@ -170,7 +171,7 @@ def pictures(result: Result) -> Iterator[str]:
         band = views.band_of(result)
         yield figure("Contact pressure and slip at the largest torque, on the unrolled band.", *_band_charts(band, True))
         yield figure("Loads round the axis; the long axis lies at 0° and 180°.", *_force_charts(result, band))
-        if (result.folder / "fatigue.csv").exists():
+        if has_table(result.summary, "fatigue"):
             yield figure("Stress cycle of one turn beside its limit.", _fatigue_chart(result))
         if result.turning is not None and len(result.turning) > 1:
             yield figure("Turn and stiffness while the wave generator turns; dotted: one ball on.", *_turning_charts(result))

@@ -19,7 +19,7 @@ from ..elastic import joint_of_scene
 from ..files import read_json
 from ..results import Result
 from ..studies.study import StudyResult, read_rows
-from ..summary_file import read_summary
+from ..summary_file import check_one, read_summary
 from ..surfaces.run import SurfaceResult
 from ..views.labels import LABELS, LOOP, label
 from ..views.run import is_drive, reference_step
@@ -514,6 +514,7 @@ def _surface_parts(result):
 
 def parts_of(folder: Path, picture: bool, animation: bool = False) -> tuple[str, list]:
     """Title and sections of whatever the folder holds."""
+    check_one(folder)
     if (folder / "study.json").is_file():
         study = StudyResult(folder)
         return study.summary["title"], [*_study_parts(study)]

@@ -23,9 +23,9 @@ from .._check import input_file
 from .._engine import FileError, FolderLock, HdengineError, InputError
 from .._types import PathLike
 from ..contact import read_scene
-from ..files import check_file, write_files, writing
+from ..files import check_folder, write_files, writing
 from .progress import Progress
-from .study import Study, StudyResult, head_of
+from .study import FILES, Study, StudyResult, check_free, head_of
 from .workers import solve_all
 
 __all__: list[str] = []
@@ -161,7 +161,7 @@ def run_shard(study: Study, out: PathLike, number: int, shards: int, jobs: int =
     head = _head(study.identity(), shards)
     with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-    check_file(path, force=True)
+    check_folder(out, (*FILES, path.name), force=True)
     with writing(path), open(os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666), "r+b") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -273,6 +273,7 @@ def collect(study: Study, out: PathLike, force: bool = False) -> StudyResult:
         if not head:
             raise FileError(f"'{out}' holds no part: run 'hdengine study ... --shard 1/N' to N/N first")
         with FolderLock(out):
+            check_free(out, force)
             if not force:
                 study._described(out, identity)
             study._write(out, identity, scene, rows, [_engine.version()], heads, kept)

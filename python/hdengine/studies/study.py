@@ -21,11 +21,12 @@ import numpy as np
 
 from .. import _engine, torsion
 from .._check import MOST_BYTES, alike, checked, fields, flag, input_file, integer, mapping, number, package, text
+from .._check import folder as a_folder
 from .._check import path as a_path
 from .._engine import FileError, FolderLock, HdengineError, InputError
 from .._types import PathLike, Value
 from ..contact import read_scene
-from ..files import json_text, read_json, write_files, writing
+from ..files import check_folder, json_text, read_json, write_files, writing
 from ..results import preformatted
 from ..views.labels import LOOP, SHOWN
 from .progress import Progress
@@ -33,6 +34,7 @@ from .progress import Progress
 __all__ = ["Study", "StudyResult"]
 ROWS = ("torque", "last", "all")
 FIGURES = ("series", "catalogue")
+FILES = ("study.csv", "study.json", "study.png")
 NO_TEXTS: dict[str, tuple[Any, str]] = {"torque": ((int, float), "numbers"), "relative": (object, "")}   # of a figure
 MOST_POINTS = 10**6
 CLEARANCE = "load.tooth_clearance"
@@ -237,7 +239,7 @@ class Study:
                     first = error
         raise first
 
-    @checked(out=a_path, jobs=integer(1, 4096), force=flag, retry=flag, show=flag, other_version=flag)
+    @checked(out=a_folder, jobs=integer(1, 4096), force=flag, retry=flag, show=flag, other_version=flag)
     def run(self, out: PathLike, jobs: int = 1, force: bool = False, retry: bool = False,
             show: bool = True, other_version: bool = False) -> StudyResult:
         """Solve all points that the table in `out` does not hold yet.
@@ -279,6 +281,7 @@ class Study:
         with writing(out):
             out.absolute().parent.mkdir(parents=True, exist_ok=True)
         with FolderLock(out):
+            check_free(out, force)
             rows, versions = ({}, []) if force else self._earlier(out, identity, retry, other_version)
             versions = [v for v in versions if v != _engine.version()] + [_engine.version()]
             points = self.points
@@ -360,6 +363,12 @@ class Study:
             summary = json.loads(json_text(summary))
             yield json_text(summary | {"checksum": _checksum(summary)}).encode()
         write_files({out / "study.csv": table(), out / "study.json": description()})
+
+
+def check_free(out: Path, force: bool = False) -> None:
+    """Raise FileError where a folder holds what another command wrote, or, without `force`, files of a study and no study."""
+    begun = any((out / name).exists() for name in ("study.json", "study.json.part"))
+    check_folder(out, FILES, force or begun)
 
 
 def columns_of(summary: dict) -> list | None:
@@ -482,7 +491,7 @@ class StudyResult:
         converged state.
     """
 
-    @checked(folder=a_path)
+    @checked(folder=a_folder)
     def __init__(self, folder: PathLike, rows: list | None = None) -> None:
         self.folder = Path(folder)
         self.summary = read_study_summary(self.folder)

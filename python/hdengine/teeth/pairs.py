@@ -173,7 +173,7 @@ def tooth_gaps(profile: Involute | DoubleArc, path: PathLike = "", *, least_gap:
     >>> gaps = tooth_gaps(Involute(module=0.1778e-3, addendum=0.8), "data/drive14.nml")      # doctest: +SKIP
     >>> print(gaps.lines())                                                                  # doctest: +SKIP
     """
-    rim = Rim.read(path, **keys)
+    rim = Rim.read(path, **keys | {"load.tooth_gaps": 0, "load.tooth_gaps_back": 0})   # the scene's own say nothing here
     scene, teeth = rim.scene, rim.scene["load.teeth"]
     spaces = teeth + 2 if spline_teeth is None else spline_teeth
     if not teeth <= spaces <= MOST_SPACES * teeth:

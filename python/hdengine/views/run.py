@@ -11,6 +11,7 @@ import numpy as np
 from .._check import ROUNDING
 from .._engine import supported
 from ..catalogue import unit_of
+from ..summary_file import has_table
 from .palette import PARTS
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ NEAR_CATALOGUE = 0.25   # the shipped drives' K1 to K3 lie so near to the catalo
 
 def is_drive(result: Result) -> bool:
     """A whole drive whose assembly was reached."""
-    return supported(result.scene, "loop") and (result.folder / "loop.csv").exists() and is_assembled(result)
+    return supported(result.scene, "loop") and has_table(result.summary, "loop") and is_assembled(result)
 
 
 def is_assembled(result: Result) -> bool:

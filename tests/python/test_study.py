@@ -205,6 +205,8 @@ def test_what_a_study_did_not_write_stays(tmp_path):
     with pytest.raises(hdengine.FileError, match=r"holds study\.csv already"):
         study.run(tmp_path / "study.csv", show=False)
     study.run(tmp_path / "study.csv", force=True, show=False)
+    with pytest.raises(hdengine.FileError, match="holds a study: choose another folder"):
+        hdengine.run(ROOT / "data/cd14.nml", tmp_path / "study.csv", force=True, show=False)
     (tmp_path / "study.csv/summary.json").write_text("{}")
     for write in (lambda f: study.run(f, force=True, show=False), lambda f: shard.run_shard(study, f, 1, 1, force=True, show=False)):
         with pytest.raises(hdengine.FileError, match=r"holds summary\.json of another command"):

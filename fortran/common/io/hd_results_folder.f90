@@ -25,7 +25,7 @@ contains
     end do
   end subroutine check_input
 
-  !> A folder may be used: absent, without a run and files of the names of its tables, or `force`.
+  !> A folder may be used: absent, without a study, and without a run and files of the names of its tables, or `force`.
   subroutine check_folder(folder, names, force, error)
     character(len=*), intent(in) :: folder            !< folder
     character(len=*), intent(in) :: names             !< of tables, or patterns, parted by commas
@@ -37,6 +37,8 @@ contains
     if (path_kind(folder) == path_absent) return
     if (path_kind(folder) /= path_directory) then
       call raise(error, code_file, "'"//folder//"' is a file, not a folder: choose another with --out DIR")
+    else if (path_kind(folder//'/study.json') /= path_absent) then
+      call raise(error, code_file, "'"//folder//"' holds a study: choose another folder with --out DIR (out=)")
     else if (.not. force) then
       name = split('echo.nml,summary.json,checkpoint.bin,'//names)
       do i = 1, size(name)

@@ -25,7 +25,12 @@ __all__ = ["Curve", "Record"]
 ARCSEC = np.pi / 180 / 3600
 FEWEST = 20      # readings of a record
 MOST = 1e9       # N m, rad: beyond, no bench reads
-SIDE = 4         # of a branch before and behind zero torque
+SIDE = 12        # of a branch before and behind zero torque: with fewer the error of the splines is not in the band
+GAP = 0.05       # of a branch's range of torque, that its readings next to zero may lie apart
+ROBUST = 1.4     # parameters that the score counts for one: by plain cross-validation few readings are interpolated
+PENALTIES = 10.0**np.arange(4.5, -6.5, -0.5)   # that are tried
+BENDS = 0.1      # of the penalty with the least score, that is used: that one smears the bend at zero by more than the scatter
+DOUBT = 10       # by which -2 log of the likelihood must fall for a passage elsewhere: that of 40 by chance is 7
 MOST_PLACES = 40  # at which the torque may pass zero that are tried
 PEAK = 2e-2      # momentary torque of catalogues over the cube of the size [N m]
 OVERLOAD = 5     # times that: beyond, the unit or the size is another
@@ -58,9 +63,15 @@ class Curve:
 
     @checked(torque_nm=number())
     def at(self, torque_nm: float) -> tuple[float, ...]:
-        """Stiffness and its band at a torque [N m/rad]."""
-        return tuple(float(np.interp(torque_nm, self.torque_nm, y))
+        """Stiffness and its band at a torque, NaN beyond those of the curve [N m/rad]."""
+        return tuple(float(np.interp(torque_nm, self.torque_nm, y, np.nan, np.nan))
                      for y in (self.stiffness_nm_per_rad, self.low_nm_per_rad, self.high_nm_per_rad))
+
+
+def _band(value, sample, share):
+    """Ends that hold the share of the draws and, as a spline errs twice to one side in them, their mirror images."""
+    low, high = np.percentile(sample, [50 * (1 - share), 50 * (1 + share)], axis=0)
+    return np.minimum(low, 2 * value - high), np.maximum(high, 2 * value - low)
 
 
 class _Branch:
@@ -75,14 +86,17 @@ class _Branch:
     pieces : int
         Intervals of either spline.
     error_nm : float
-        The torque passes zero where it reads so much at most; of these places the one with the least cross-validation score.
+        The torque passes zero where it reads so much at most: next to zero, or where the robust cross-validation score says so.
     like : _Branch, optional
-        Fit of nearly the same readings, whose place and penalties are taken.
+        Fit of nearly the same readings, whose place and penalty are taken.
+    pulls : ndarray (2, pieces), optional
+        Of the splines.
 
     Attributes
     ----------
     place : int
         Readings before the passage.
+    penalty : float
     parts : list of Spline
     fitted : ndarray (n,)
         At the readings [rad].
@@ -90,22 +104,35 @@ class _Branch:
         Standard deviation of the readings about it [rad].
     """
 
-    def __init__(self, torque_nm, angle_rad, sense, pieces, error_nm=0.0, like=None):
+    def __init__(self, torque_nm, angle_rad, sense, pieces, error_nm=0.0, like=None, pulls=(None, None)):
         self.sense, self.low, self.high, n = sense, torque_nm.min(), torque_nm.max(), len(torque_nm)
+
+        def fit(place, penalty):
+            cut = slice(place), slice(place, n)
+            self.place, self.penalty = place, penalty
+            self.parts = [Spline(torque_nm[s], angle_rad[s], pieces, penalty, pull) for s, pull in zip(cut, pulls)]
+            self.fitted = np.concatenate([part(torque_nm[s]) for part, s in zip(self.parts, cut)])
+            freedom, square = sum(part.freedom for part in self.parts), np.sum((angle_rad - self.fitted)**2)
+            self.residual, free = np.sqrt(square / max(n - freedom, 1)), n - ROBUST * freedom
+            return square / free**2 if free > 0 else np.inf
+
+        if like:
+            fit(like.place, like.penalty)
+            return
         ends = np.sort([torque_nm[:-1], torque_nm[1:]], axis=0)
-        places = [like.place] if like else [k for k in 1 + np.flatnonzero((ends[0] <= error_nm) & (ends[1] >= -error_nm))
-                                            if SIDE <= k <= n - SIDE]
-        if not places:
-            raise InputError(f"a branch needs {SIDE} readings on either side of zero torque")
-        best = np.inf
-        for k in places[::1 + len(places) // MOST_PLACES]:
-            parts = [Spline(torque_nm[s], angle_rad[s], pieces, penalty) for s, penalty in zip(
-                (slice(k), slice(k, n)), (part.penalty for part in like.parts) if like else (None, None))]
-            fitted = np.concatenate([part(torque) for part, torque in zip(parts, np.split(torque_nm, [k]))])
-            free = max(n - sum(part.freedom for part in parts), 1)
-            square = np.sum((angle_rad - fitted)**2)
-            if (score := square / free**2) < best:
-                best, self.place, self.parts, self.fitted, self.residual = score, k, parts, fitted, np.sqrt(square / free)
+        before, behind = np.sum(torque_nm < 0), np.sum(torque_nm > 0)
+        gap = torque_nm[torque_nm >= 0].min() - torque_nm[torque_nm <= 0].max()
+        places = [k for k in 1 + np.flatnonzero((ends[0] <= error_nm) & (ends[1] >= -error_nm)) if SIDE <= k <= n - SIDE]
+        if not places or min(before, behind) < SIDE or gap > GAP * (self.high - self.low):
+            raise InputError(f"the {'rising' if sense > 0 else 'falling'} branch has {before} readings below and {behind} above "
+                             f"zero torque, {gap:.3g} N m between them; needed: {SIDE} or more, and at most "
+                             f"{GAP * (self.high - self.low):.3g} N m ({GAP:.0%} of its range)")
+        nearest = min(places, key=lambda k: abs(torque_nm[k - 1] + torque_nm[k]))
+        best = min((fit(k, penalty) * (1 if k == nearest else np.exp(DOUBT / n)), k, penalty)
+                   for k in {nearest, *places[::1 + len(places) // MOST_PLACES]} for penalty in PENALTIES)
+        for factor in np.geomspace(BENDS, 1, 5):
+            if np.isfinite(fit(best[1], factor * best[2])):
+                break
 
     def __call__(self, torque_nm, derivative=0):
         """Angle or its derivative by the torque; at zero what is left of before [rad]."""
@@ -128,13 +155,13 @@ class Record:
     Raises
     ------
     InputError
-        No rising and falling branch that cross zero torque.
+        No rising and falling branch that cross zero torque, or too few readings on a side of it or next to it.
     """
 
     @checked(torque_nm=array((None,), least=-MOST, most=MOST), angle_rad=array((None,), least=-MOST, most=MOST),
              torque_error_nm=number(least=0, most=MOST), angle_error_rad=number(least=0, most=MOST), pieces=integer(1, 1000))
     def __init__(self, torque_nm: ArrayLike, angle_rad: ArrayLike, torque_error_nm: float = 0.05,
-                 angle_error_rad: float = 2 * ARCSEC, pieces: int = 12) -> None:
+                 angle_error_rad: float = 2 * ARCSEC, pieces: int = 24) -> None:
         self.torque_nm, self.angle_rad = np.asarray(torque_nm, float), np.asarray(angle_rad, float)
         if self.torque_nm.shape != self.angle_rad.shape or len(self.torque_nm) < FEWEST:
             raise InputError(f"a record needs as many torques as angles, {FEWEST} or more; "
@@ -164,7 +191,10 @@ class Record:
         if len(angles) == 2:
             raise InputError(f"'{path}' has angle_rad and angle_arcsec: leave out one")
         torque, angle = (numbers(path, names, rows, name) for name in ("torque_nm", angles[0]))
-        return cls(torque, angle * (ARCSEC if angles[0] == "angle_arcsec" else 1), **errors)
+        try:
+            return cls(torque, angle * (ARCSEC if angles[0] == "angle_arcsec" else 1), **errors)
+        except InputError as error:
+            raise InputError(f"'{path}': {error}") from None
 
     def _split(self):
         """Slices between turning points of the torque, both ends in; a reversal counts once it exceeds a tenth of the range."""
@@ -210,7 +240,8 @@ class Record:
                 fit = self._fits[sense]
                 clean = fit.fitted - self.angle_rad[part] + angle[part]
                 noise = generator.normal(0, fit.residual, len(clean))
-                fits[sense] = _Branch(torque[part], clean + noise, sense, self.pieces, like=fit)
+                fits[sense] = _Branch(torque[part], clean + noise, sense, self.pieces, like=fit,
+                                      pulls=generator.normal(0, fit.residual, (2, self.pieces)))
             drawn.append(fits)
         return drawn
 
@@ -235,10 +266,8 @@ class Record:
         """
         torque = np.linspace(max(f.low for f in self._fits.values()), min(f.high for f in self._fits.values()), points)
         k = 1 / self._angle(branch, self._fits, torque, 1)
-        tail = 50 * (1 - share)
         sample = np.array([1 / self._angle(branch, fits, torque, 1) for fits in self._draws(draws, seed)])
-        low, high = np.percentile(sample, [tail, 100 - tail], axis=0)
-        return Curve(torque, self._angle(branch, self._fits, torque), k, low, high)
+        return Curve(torque, self._angle(branch, self._fits, torque), k, *_band(k, sample, share))
 
     @checked(unit=kind(Unit, optional=True), rated_torque_nm=number(above=0, optional=True), share=number(above=0, below=1),
              draws=integer(2, 10**5), seed=integer(0, 2**63 - 1))
@@ -284,10 +313,9 @@ class Record:
             return [float(abs(fits[1](zero) - fits[-1](zero))[0]), lost[1] - lost[0],
                     *stages(torque, turn - turn[0], unit.t1_nm, unit.t2_nm), meet * (fits[later](turned) - fits[-later](turned))[0]]
         sample = np.array([evaluate(fits) for fits in self._draws(draws, seed)])
-        tail = 50 * (1 - share)
-        low, high = np.percentile(sample, [tail, 100 - tail], axis=0)
+        values = np.array(evaluate(self._fits))
         names = ("hysteresis_rad", "lost_motion_rad", "k1_nm_per_rad", "k2_nm_per_rad", "k3_nm_per_rad", "closing_rad")
-        return {n: (float(v), float(a), float(b)) for n, v, a, b in zip(names, evaluate(self._fits), low, high)}
+        return {n: tuple(map(float, row)) for n, *row in zip(names, values, *_band(values, sample, share))}
 
     FILES = ("record.json", "curve.csv", "record.png", "scene.nml")  #: that `write` leaves in a folder
 

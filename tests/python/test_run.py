@@ -11,7 +11,7 @@ import pytest
 
 import hdengine
 from conftest import CD14, ROOT, SMALL, call, solve_small
-from hdengine import _engine
+from hdengine import _engine, uncertainty
 
 
 def summary(folder):
@@ -443,7 +443,7 @@ def test_a_table_of_a_key_is_that_of_the_run(exe, tmp_path):
     found = solve_small(exe, tmp_path / "a.out", "load.torque_steps=1", "joint.model=table", f"joint.table_file={table}")
     assert found.summary["input_files"] == {"joint.table_file": _engine.checksum(table)}
     k = found.joint.stiffness(5e6, 0.0, 1.0)[0]
-    field = hdengine.uncertainty.ContactField(found)
+    field = uncertainty.ContactField(found)
     assert field.k_ts() > 0 and k > 0
     table.write_text(table.read_text().replace("1e13", "3e13"))
     for ask in (lambda: found.joint, field.k_ts, found.gradient):

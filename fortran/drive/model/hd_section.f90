@@ -191,12 +191,12 @@ contains
     strip%layers = scene%through_wall
   end subroutine sectioned_strip
 
-  !> Length of the cell at the clamped edge, where bending is largest and dies away within some thicknesses; 0: as long as the
-  !> others, whose number a key gives [m].
+  !> Length of the cell at the clamped edge, where bending is largest and dies away within some thicknesses: a quarter of one, or an
+  !> eighth of a facet on coarse meshes; 0: as long as the others, whose number a key gives [m].
   pure real(dp) function clamped_cell(scene, thickness)
     type(scene_t), intent(in) :: scene      !< scene
     real(dp), intent(in) :: thickness       !< there [m]
-    clamped_cell = merge(0._dp, thickness/4, scene%bottom_elements > 0)
+    clamped_cell = merge(0._dp, max(thickness/4, scene%band_length/scene%band_facets/8), scene%bottom_elements > 0)
   end function clamped_cell
 
   !> Append a station.

@@ -12,7 +12,7 @@ module hd_cam_table
   public :: cam_table_t, read_cam_table, radius_deviation
 
   integer, parameter :: fewest = 8  !< points of a table
-  integer, parameter :: widest = 4  !< way between two of them, over the mean of the others
+  real(dp), parameter :: widest = 2*pi/fewest*(1 + hair)  !< way between two of them [rad]
 
   !> Deviation of the radius from its mean over the angle, periodic, with continuous curvature.
   type :: cam_table_t
@@ -68,9 +68,9 @@ contains
       end if
       way = [theta(2:), theta(1) + 2*pi] - theta
       i = maxloc(way, 1)
-      if (way(i) > widest*(2*pi - way(i))/(size(theta) - 1)) then
+      if (way(i) > widest) then
         call raise(error, code_input, columns%place(columns%lines(i))//'no point within '//rounded(way(i)*180/pi)// &
-          ' deg after this one; valid: points all round the cam, none further apart than '//to_text(widest)//' times the others')
+          ' deg after this one; valid: points all round the cam, none further apart than '//to_text(360/fewest)//' deg')
         return
       end if
       call new_cam_table(theta, radius, table)

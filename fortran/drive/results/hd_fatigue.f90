@@ -59,8 +59,8 @@ contains
     fatigue%least = pair(:, minloc(safety, 1))
   end subroutine judge_fatigue
 
-  !> Columns whose difference has the largest von Mises stress. By the triangle inequality no column is one of them that lies closer
-  !> to a place than that difference, from the outermost one: only the others are compared with each other.
+  !> Columns whose difference has the largest von Mises stress. Where one such difference is d and no column is further than R from
+  !> the mean of all, both ends of a larger one are d - R or more from it (triangle inequality): only such columns are compared.
   pure function furthest(s) result(pair)
     real(dp), intent(in) :: s(:, :)  !< (6, n) [Pa]
     integer :: pair(2), i, j

@@ -8,14 +8,13 @@ module hd_fatigue
   use hd_error, only: error_t
   use hd_output, only: fatigue_file
   use hd_scene, only: scene_t
-  use hd_stress, only: signed_equivalent, square_of
+  use hd_stress, only: many_nodes, signed_equivalent, square_of
   use hd_table, only: table_t
   implicit none
   private
   public :: fatigue_t, cycle_weights, judge_fatigue, safety_of, write_fatigue
 
   real(dp), parameter :: cycle_weights(2, 2) = reshape([0.5_dp, 0.5_dp, -0.5_dp, 0.5_dp], [2, 2])  !< mean, amplitude of two
-  integer, parameter :: many_nodes = 20000  !< of a body, from which two threads are worth waking
 
   !> Nodes of the meridian at the load step with the least safety.
   type :: fatigue_t

@@ -13,7 +13,7 @@ module hd_stress
   implicit none
   private
   public :: stress_matrices_t, body_stress, nodal_stress, worst_node, node_stress
-  public :: von_mises, square_of, largest_of, principal_stresses, signed_equivalent
+  public :: many_nodes, von_mises, square_of, largest_of, principal_stresses, signed_equivalent
 
   integer, parameter :: many_nodes = 20000  !< of a body, from which two threads are worth waking
   integer, parameter :: chunk = 15          !< sectors that a thread evaluates at once, beside the one before them
